@@ -1,0 +1,38 @@
+# One target per module: prt_<name>, from every .cpp of its folder.
+#
+#   prt_module(scene DEPENDS base PRIVATE_LIBS TinyGLTF::TinyGLTF PUBLIC_LIBS Eigen3::Eigen)
+#
+# A folder below a module becomes a target of its own only through its own prt_module call.
+function(prt_module name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PUBLIC_LIBS;PRIVATE_LIBS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(TRANSFORM ARG_DEPENDS PREPEND prt_)
+  add_library(prt_${name} STATIC ${sources})
+  target_include_directories(prt_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
+  target_link_libraries(prt_${name} PUBLIC prt_flags ${ARG_DEPENDS} ${ARG_PUBLIC_LIBS}
+                                    PRIVATE ${ARG_PRIVATE_LIBS})
+endfunction()
+
+# Flags every target of ours shares.
+add_library(prt_flags INTERFACE)
+target_compile_options(prt_flags INTERFACE -Wall -Wextra $<$<BOOL:${PRT_WERROR}>:-Werror>)
+if(PRT_NATIVE)
+  target_compile_options(prt_flags INTERFACE -march=native)
+else()
+  target_compile_options(prt_flags INTERFACE -march=x86-64-v3)
+endif()
+# A task is single-threaded, and block sizes must not depend on the machine's caches.
+target_compile_definitions(prt_flags INTERFACE EIGEN_DONT_PARALLELIZE)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  target_compile_definitions(prt_flags INTERFACE EIGEN_NO_DEBUG)
+endif()
+if(PRT_SANITIZE)
+  target_compile_options(prt_flags INTERFACE -fsanitize=${PRT_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(prt_flags INTERFACE -fsanitize=${PRT_SANITIZE})
+  if(PRT_SANITIZE MATCHES "undefined")
+    target_compile_options(prt_flags INTERFACE -fno-sanitize-recover=undefined)
+  endif()
+endif()
+# Assertions guard invariants in every build type; Eigen's own per-element checks would cost too much.
+string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")
+string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")

@@ -1,0 +1,49 @@
+// Options as data: from one table come validation, --help and the manual.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace prt {
+
+struct OptionSpec {
+  enum class Type { kInteger, kNumber, kText, kNumberOrAuto, kIntegerOrAuto, kPointOrAuto };
+  std::string key;  ///< dotted: "lb.visibility_rank"
+  Type type = Type::kNumber;
+  nlohmann::json fallback;      ///< default value; null: none (unset)
+  double minimum = 0.0;         ///< numbers only, inclusive
+  double maximum = 0.0;
+  std::vector<std::string> choices;  ///< kText: allowed words; empty: any
+  std::string unit;
+  std::string meaning;
+  std::string source;  ///< paper and equation or section
+};
+
+/// Checked values of all options, by dotted key.
+class OptionValues {
+ public:
+  void set(const std::string& key, nlohmann::json value) { values_[key] = std::move(value); }
+  [[nodiscard]] bool is_set(const std::string& key) const;  ///< present and not null
+  [[nodiscard]] bool is_auto(const std::string& key) const;
+  /// Throws std::logic_error for a key that is in no table: a bug, not a user's error.
+  template <typename T>
+  [[nodiscard]] T get(const std::string& key) const {
+    return at(key).get<T>();
+  }
+  [[nodiscard]] const nlohmann::json& at(const std::string& key) const;
+  [[nodiscard]] const std::map<std::string, nlohmann::json>& all() const { return values_; }
+
+ private:
+  std::map<std::string, nlohmann::json> values_;
+};
+
+/// Throws UserError unless `value` fits the option; `where` names file and line.
+void check_option(const OptionSpec& spec, const nlohmann::json& value, const std::string& where);
+
+/// Options that all methods share: seed, samples.*, rays.*, transport.*, compression.*, evaluate.*, store.*.
+std::vector<OptionSpec> shared_options();
+
+}  // namespace prt

@@ -1,0 +1,75 @@
+// The runtime package: spaces, operators and a straight-line program over them, with the scene that
+// they light. One valid glTF 2.0 binary on disk (package/read.h, package/write.h).
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "domains/directions.h"
+#include "domains/samples.h"
+#include "operators/blocks.h"
+#include "scene/scene.h"
+
+namespace prt {
+
+/// Compressed depth buffers of one cluster: z ≈ mean + coefficients · basis (Leonhardt & Bohn, eq. 9).
+/// A cluster that sees everything has rank 0 and an empty mean: always visible.
+struct DepthBlock {
+  QuantisedMatrix mean;          ///< 1 × d, or 0 × 0
+  QuantisedMatrix basis;         ///< k × d
+  QuantisedMatrix coefficients;  ///< n_c × k
+};
+
+/// Depth-buffer visibility for all samples.
+struct DepthVisibility {
+  int directions = 0;   ///< d, see HemisphereDirections
+  float bound = 0.0F;   ///< m, see bases/depth_basis.h
+  float bias = 0.07F;   ///< relative distance bias of the test
+  std::vector<DepthBlock> clusters;
+};
+
+/// A coefficient vector with a meaning.
+struct Space {
+  enum class Kind { kSampleIrradiance, kClusterCoefficients };
+  std::string name;
+  Kind kind = Kind::kSampleIrradiance;
+  std::uint32_t dimension = 0;  ///< per colour channel
+};
+
+using PackageOperator = std::variant<ClusterProjection, ClusterTransfer>;
+
+/// Steps name spaces and operators; each writes `output`. Type rules are checked by validate().
+struct DirectLightStep {  ///< lights → irradiance at samples, shadowed by `visibility`
+  std::string output;
+  enum class Shadow { kNone, kDepth } shadow = Shadow::kDepth;
+};
+struct ApplyStep {
+  std::string op, input, output;
+};
+struct AddStep {
+  std::string a, b, output;
+};
+struct ReconstructStep {  ///< irradiance at samples → irradiance anywhere, by splats
+  std::string input;
+};
+using ProgramStep = std::variant<DirectLightStep, ApplyStep, AddStep, ReconstructStep>;
+
+struct Package {
+  Scene scene;
+  SampleSet samples;
+  std::optional<DepthVisibility> visibility;
+  std::vector<Space> spaces;
+  std::map<std::string, PackageOperator> operators;
+  std::vector<ProgramStep> program;
+  nlohmann::json provenance = nlohmann::json::object();  ///< method, parameters, version; no time or host
+  nlohmann::json error = nlohmann::json::object();       ///< measured error (design §7), as prt_eval prints it
+};
+
+/// Throws UserError with a reason unless shapes, indices, names and the program fit together.
+void validate(const Package& package, const std::string& file_name);
+
+}  // namespace prt
