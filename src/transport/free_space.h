@@ -1,0 +1,23 @@
+// Where lights may stand: one rule for training lights and test lights (design: what "error" means).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "domains/samples.h"
+#include "scene/ray_caster.h"
+
+namespace prt {
+
+/// A position is free when it lies in the samples' bounding box, at least `clearance` (m) from every
+/// surface, and sees at least one sample from that sample's front. Draws `count` of them uniformly;
+/// position k depends on (stream, k) alone, so any range can be drawn by any task: `first` is the number
+/// of the first. Throws UserError when a position cannot be found in 10,000 tries.
+std::vector<Vec3f> free_positions(const Scene& scene, const RayCaster& caster,
+                                  const SampleSet& samples, float clearance, std::uint64_t stream,
+                                  std::size_t first, std::size_t count);
+
+/// Diagonal of the samples' bounding box, m: clearances are given relative to it.
+float samples_diagonal(const SampleSet& samples);
+
+}  // namespace prt
