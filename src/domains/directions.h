@@ -1,5 +1,5 @@
-// Equal-area directions over the hemisphere, on a grid, so that the four directions next to any given
-// one are found by arithmetic (Leonhardt & Bohn, figure 2).
+// Equal-area directions over the hemisphere, on a grid, so that the four directions next to any
+// given one are found by arithmetic (Leonhardt & Bohn, figure 2).
 #pragma once
 
 #include <array>
@@ -10,9 +10,9 @@
 
 namespace prt {
 
-/// width × height cells of a square, mapped by Shirley & Chiu's concentric map and z = 1 - r² onto the
-/// hemisphere: every cell covers the solid angle 2π / count. Directions are in the sample's frame, +z
-/// is the normal.
+/// width × height cells of a square, mapped by Shirley & Chiu's concentric map and z = 1 - r² onto
+/// the hemisphere: every cell covers the solid angle 2π / count. Directions are in the sample's
+/// frame, +z is the normal.
 class HemisphereDirections {
  public:
   /// Grid of exactly `count` cells, as square as its factors allow. Throws UserError when no
@@ -27,7 +27,8 @@ class HemisphereDirections {
   /// Cosine weights: weight[i] ∝ cosθ_i, sum 1. Irradiance of radiance L_i is π Σ weight[i]·L_i.
   [[nodiscard]] const std::vector<float>& weights() const { return weights_; }
 
-  /// The four nearest directions of a local unit direction (z > 0) and their bilinear weights, sum 1.
+  /// The four nearest directions of a local unit direction (z > 0) and their bilinear weights,
+  /// sum 1.
   struct Lookup {
     std::array<int, 4> index;
     std::array<float, 4> weight;

@@ -9,7 +9,8 @@
 
 namespace prt {
 
-/// Samples sorted by cluster: cluster c owns the contiguous range [cluster_begin[c], cluster_begin[c+1]).
+/// Samples sorted by cluster: cluster c owns the contiguous range [cluster_begin[c],
+/// cluster_begin[c+1]).
 struct SampleSet {
   std::vector<Vec3f> positions;  ///< world space, m
   std::vector<Vec3f> normals;    ///< unit geometric normal on the side the sample stands for
@@ -59,8 +60,8 @@ class SampleGrid {
   template <typename Visit>
   void visit(const Vec3f& p, float radius, Visit&& visit) const;
 
-  std::vector<Entry> entries_;         // sorted by hashed cell
-  std::vector<std::uint32_t> begin_;   // slots + 1
+  std::vector<Entry> entries_;        // sorted by hashed cell
+  std::vector<std::uint32_t> begin_;  // slots + 1
   std::uint32_t slot_mask_ = 0;
   float inverse_cell_ = 1.0F;
 };

@@ -14,8 +14,9 @@ struct SplatWeight {
   float weight;
 };
 
-/// Each sample is a disk in its tangent plane with a Gaussian kernel, seen as an ellipse from anywhere
-/// else; a point takes the normalised sum of the kernels that reach it from a compatible side.
+/// Each sample is a disk in its tangent plane with a Gaussian kernel, seen as an ellipse from
+/// anywhere else; a point takes the normalised sum of the kernels that reach it from a compatible
+/// side.
 class SplatField {
  public:
   explicit SplatField(const SampleSet& samples);

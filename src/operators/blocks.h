@@ -18,11 +18,13 @@ struct ClusterProjection {
 };
 
 /// Transfer into one receiver cluster from those sender clusters that matter to it (eq. 10), all
-/// channels sharing the left factor: indirect_channel = left · right_channel · coefficients_channel.
+/// channels sharing the left factor: indirect_channel = left · right_channel ·
+/// coefficients_channel.
 struct ReceiverTransfer {
   std::vector<std::uint32_t> senders;  ///< ascending sender clusters whose block was kept
   QuantisedMatrix left;                ///< n_r × k
-  QuantisedMatrix right;  ///< k × (channels · m), m = Σ k_s over senders; channel-major, senders in order
+  QuantisedMatrix
+      right;  ///< k × (channels · m), m = Σ k_s over senders; channel-major, senders in order
 };
 
 struct ClusterTransfer {
