@@ -45,7 +45,9 @@ Digest hash_bytes(std::span<const std::byte> bytes) {
   return to_digest(XXH3_128bits(bytes.data(), bytes.size()));
 }
 
-Digest hash_text(std::string_view text) { return to_digest(XXH3_128bits(text.data(), text.size())); }
+Digest hash_text(std::string_view text) {
+  return to_digest(XXH3_128bits(text.data(), text.size()));
+}
 
 struct Hasher::State {
   XXH3_state_t* xxh = XXH3_createState();

@@ -37,8 +37,7 @@ class Hasher {
   Hasher& add(std::span<const std::byte> bytes);
   Hasher& add(std::string_view text);
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
-  Hasher& add_values(std::span<const T> values) {
+  requires std::is_trivially_copyable_v<T> Hasher& add_values(std::span<const T> values) {
     return add(std::as_bytes(values));
   }
   [[nodiscard]] Digest digest() const;

@@ -1,5 +1,6 @@
-// Counter-based random numbers: a value is a pure function of (seed, stream, item, index), so results
-// depend neither on the order of work nor on who does it (Salmon et al. 2011, Philox4x32-10).
+// Counter-based random numbers: a value is a pure function of (seed, stream, item, index), so
+// results depend neither on the order of work nor on who does it (Salmon et al. 2011,
+// Philox4x32-10).
 #pragma once
 
 #include <Random123/philox.h>

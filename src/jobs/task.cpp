@@ -4,7 +4,8 @@
 
 namespace prt {
 
-Digest task_key(const TaskSpec& task, const std::vector<Digest>& input_contents, const SceneHashes& scene) {
+Digest task_key(const TaskSpec& task, const std::vector<Digest>& input_contents,
+                const SceneHashes& scene) {
   Hasher hasher;
   // nlohmann::json objects are sorted by name: dump() is canonical.
   hasher.add(task.kind).add(std::to_string(task.version)).add(task.parameters.dump());

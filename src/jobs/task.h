@@ -14,11 +14,12 @@ enum ScenePart : unsigned { kNoScene = 0, kGeometry = 1, kMaterials = 2, kLights
 
 /// One unit of work: 0.1 to 30 s on one core. Its result is one artifact.
 struct TaskSpec {
-  std::string id;     ///< unique in the bake and stable between runs: "rays/0007"
-  std::string kind;   ///< "rays": what code runs it; also the stage it is shown under
-  int version = 1;    ///< of that code; raised whenever its bytes change
-  nlohmann::json parameters = nlohmann::json::object();  ///< all that the result depends on beside inputs
-  std::vector<std::string> inputs;                       ///< task ids, in the order the code expects
+  std::string id;    ///< unique in the bake and stable between runs: "rays/0007"
+  std::string kind;  ///< "rays": what code runs it; also the stage it is shown under
+  int version = 1;   ///< of that code; raised whenever its bytes change
+  nlohmann::json parameters =
+      nlohmann::json::object();     ///< all that the result depends on beside inputs
+  std::vector<std::string> inputs;  ///< task ids, in the order the code expects
   unsigned scene_parts = kNoScene;
   double cost = 1.0;  ///< rough seconds on one core: longest first
 };
@@ -30,6 +31,7 @@ struct SceneHashes {
   Digest materials;
   Digest lights;
 };
-Digest task_key(const TaskSpec& task, const std::vector<Digest>& input_contents, const SceneHashes& scene);
+Digest task_key(const TaskSpec& task, const std::vector<Digest>& input_contents,
+                const SceneHashes& scene);
 
 }  // namespace prt

@@ -1,5 +1,5 @@
-// A method: one paper's way to precompute light transport, as pure functions. It plans tasks, runs one,
-// and assembles its part of the package. It knows no MPI, clock, path or global.
+// A method: one paper's way to precompute light transport, as pure functions. It plans tasks, runs
+// one, and assembles its part of the package. It knows no MPI, clock, path or global.
 #pragma once
 
 #include <functional>
@@ -18,13 +18,15 @@
 
 namespace prt {
 
-/// Objects shared by the tasks of one process (decoded samples, neighbour grids), by name. A value must
-/// be a pure function of its name. Thread-safe; a value is made once.
+/// Objects shared by the tasks of one process (decoded samples, neighbour grids), by name. A value
+/// must be a pure function of its name. Thread-safe; a value is made once.
 class Memo {
  public:
   template <typename T>
-  std::shared_ptr<const T> get(const std::string& name, const std::function<std::shared_ptr<T>()>& make) {
-    return std::static_pointer_cast<const T>(get_any(name, [&] { return std::shared_ptr<void>(make()); }));
+  std::shared_ptr<const T> get(const std::string& name,
+                               const std::function<std::shared_ptr<T>()>& make) {
+    return std::static_pointer_cast<const T>(
+        get_any(name, [&] { return std::shared_ptr<void>(make()); }));
   }
   /// Forgets all values nobody holds.
   void trim();
@@ -34,7 +36,8 @@ class Memo {
     std::mutex mutex;
     std::shared_ptr<void> value;
   };
-  std::shared_ptr<void> get_any(const std::string& name, const std::function<std::shared_ptr<void>()>& make);
+  std::shared_ptr<void> get_any(const std::string& name,
+                                const std::function<std::shared_ptr<void>()>& make);
   std::mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<Slot>> slots_;
 };
@@ -62,7 +65,8 @@ class PlanInputs {
   [[nodiscard]] virtual const Scene& scene() const = 0;
   [[nodiscard]] virtual const OptionValues& options() const = 0;
   /// The artifact of a finished task, or null while it is not finished.
-  [[nodiscard]] virtual std::shared_ptr<const Artifact> result(const std::string& task_id) const = 0;
+  [[nodiscard]] virtual std::shared_ptr<const Artifact> result(
+      const std::string& task_id) const = 0;
 };
 
 /// What the planner decided not to make, and why.
@@ -71,8 +75,8 @@ struct LeftOut {
 };
 
 struct Plan {
-  std::vector<TaskSpec> tasks;     ///< all tasks known so far; known ones are repeated unchanged
-  bool complete = false;           ///< nothing more will come
+  std::vector<TaskSpec> tasks;       ///< all tasks known so far; known ones are repeated unchanged
+  bool complete = false;             ///< nothing more will come
   std::vector<std::string> results;  ///< task ids whose artifacts assemble() reads
   std::vector<LeftOut> left_out;
 };

@@ -13,8 +13,8 @@ struct OptionSpec {
   enum class Type { kInteger, kNumber, kText, kNumberOrAuto, kIntegerOrAuto, kPointOrAuto };
   std::string key;  ///< dotted: "lb.visibility_rank"
   Type type = Type::kNumber;
-  nlohmann::json fallback;      ///< default value; null: none (unset)
-  double minimum = 0.0;         ///< numbers only, inclusive
+  nlohmann::json fallback;  ///< default value; null: none (unset)
+  double minimum = 0.0;     ///< numbers only, inclusive
   double maximum = 0.0;
   std::vector<std::string> choices;  ///< kText: allowed words; empty: any
   std::string unit;
@@ -43,7 +43,8 @@ class OptionValues {
 /// Throws UserError unless `value` fits the option; `where` names file and line.
 void check_option(const OptionSpec& spec, const nlohmann::json& value, const std::string& where);
 
-/// Options that all methods share: seed, samples.*, rays.*, transport.*, compression.*, evaluate.*, store.*.
+/// Options that all methods share: seed, samples.*, rays.*, transport.*, compression.*, evaluate.*,
+/// store.*.
 std::vector<OptionSpec> shared_options();
 
 }  // namespace prt

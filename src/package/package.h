@@ -16,8 +16,8 @@
 
 namespace prt {
 
-/// Compressed depth buffers of one cluster: z ≈ mean + coefficients · basis (Leonhardt & Bohn, eq. 9).
-/// A cluster that sees everything has rank 0 and an empty mean: always visible.
+/// Compressed depth buffers of one cluster: z ≈ mean + coefficients · basis (Leonhardt & Bohn, eq.
+/// 9). A cluster that sees everything has rank 0 and an empty mean: always visible.
 struct DepthBlock {
   QuantisedMatrix mean;          ///< 1 × d, or 0 × 0
   QuantisedMatrix basis;         ///< k × d
@@ -26,9 +26,9 @@ struct DepthBlock {
 
 /// Depth-buffer visibility for all samples.
 struct DepthVisibility {
-  int directions = 0;   ///< d, see HemisphereDirections
-  float bound = 0.0F;   ///< m, see bases/depth_basis.h
-  float bias = 0.07F;   ///< relative distance bias of the test
+  int directions = 0;  ///< d, see HemisphereDirections
+  float bound = 0.0F;  ///< m, see bases/depth_basis.h
+  float bias = 0.07F;  ///< relative distance bias of the test
   std::vector<DepthBlock> clusters;
 };
 
@@ -65,8 +65,10 @@ struct Package {
   std::vector<Space> spaces;
   std::map<std::string, PackageOperator> operators;
   std::vector<ProgramStep> program;
-  nlohmann::json provenance = nlohmann::json::object();  ///< method, parameters, version; no time or host
-  nlohmann::json error = nlohmann::json::object();       ///< measured error (design §7), as prt_eval prints it
+  nlohmann::json provenance =
+      nlohmann::json::object();  ///< method, parameters, version; no time or host
+  nlohmann::json error =
+      nlohmann::json::object();  ///< measured error (design §7), as prt_eval prints it
 };
 
 /// Throws UserError with a reason unless shapes, indices, names and the program fit together.

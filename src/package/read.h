@@ -7,7 +7,8 @@
 
 namespace prt {
 
-/// Throws UserError (one line: file, what is wrong, what to do) for anything that is not a sound package.
+/// Throws UserError (one line: file, what is wrong, what to do) for anything that is not a sound
+/// package.
 Package read_package(const std::filesystem::path& file);
 
 }  // namespace prt

@@ -12,7 +12,8 @@ namespace prt {
 /// The whole .glb file. Equal packages give equal bytes.
 std::vector<std::byte> encode_package(const Package& package);
 
-/// Writes it under a temporary name, fsyncs and renames. Throws UserError if the folder is not writable.
+/// Writes it under a temporary name, fsyncs and renames. Throws UserError if the folder is not
+/// writable.
 void write_package(const Package& package, const std::filesystem::path& file);
 
 }  // namespace prt

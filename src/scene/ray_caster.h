@@ -16,8 +16,8 @@ class RayCaster {
 
   /// Nearest hit of one ray; ties go to the lowest triangle.
   [[nodiscard]] virtual Hit intersect(const Ray& ray) const = 0;
-  /// Nearest hits of many rays, in packets of 16 with the coherent flag: for neighbouring directions
-  /// from one origin. hits.size() == rays.size().
+  /// Nearest hits of many rays, in packets of 16 with the coherent flag: for neighbouring
+  /// directions from one origin. hits.size() == rays.size().
   virtual void intersect_coherent(std::span<const Ray> rays, std::span<Hit> hits) const = 0;
   /// Nearest hits of unrelated rays.
   virtual void intersect_incoherent(std::span<const Ray> rays, std::span<Hit> hits) const = 0;

@@ -83,7 +83,8 @@ struct Scene {
   RepairReport repairs;
 
   /// Three separate content hashes, so that a changed albedo leaves ray casts valid.
-  Digest geometry_hash;   ///< positions, triangles, curvature-relevant normals, alpha masks (uv and alpha of masked)
+  Digest geometry_hash;   ///< positions, triangles, curvature-relevant normals, alpha masks (uv and
+                          ///< alpha of masked)
   Digest materials_hash;  ///< albedo: factors, textures, uvs, material of each triangle
   Digest lights_hash;     ///< lights and camera
 
@@ -110,8 +111,8 @@ struct Hit {
   [[nodiscard]] bool escaped() const { return triangle == kNone; }
 };
 
-/// The geometry at a hit, on the side that was hit. This one function serves the sampler, the gather,
-/// the photons and the path tracer, so that they agree on sides.
+/// The geometry at a hit, on the side that was hit. This one function serves the sampler, the
+/// gather, the photons and the path tracer, so that they agree on sides.
 struct SurfacePoint {
   Vec3f position;
   Vec3f normal;  ///< unit geometric normal, facing against the ray
@@ -128,13 +129,15 @@ Vec3f triangle_point(const Scene& scene, std::uint32_t triangle, float u, float 
 Vec3f triangle_normal(const Scene& scene, std::uint32_t triangle);
 double triangle_area(const Scene& scene, std::uint32_t triangle);
 
-/// Linear RGB albedo in [0, 1] at a point of a triangle: base colour × bilinear texture (sRGB decoded).
+/// Linear RGB albedo in [0, 1] at a point of a triangle: base colour × bilinear texture (sRGB
+/// decoded).
 Vec3f albedo_at(const Scene& scene, std::uint32_t triangle, float u, float v);
 /// True if the surface exists there (alphaMode MASK).
 bool opaque_at(const Scene& scene, std::uint32_t triangle, float u, float v);
 
-/// A ray origin just off the surface on the side of `normal`. The distance follows the float spacing
-/// of the coordinates (about 2^-16 of the distance from the scene's centre), so it scales with the scene.
+/// A ray origin just off the surface on the side of `normal`. The distance follows the float
+/// spacing of the coordinates (about 2^-16 of the distance from the scene's centre), so it scales
+/// with the scene.
 Vec3f offset_origin(const Scene& scene, const Vec3f& position, const Vec3f& normal);
 
 }  // namespace prt

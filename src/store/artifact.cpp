@@ -5,13 +5,17 @@ namespace prt {
 std::size_t element_size(ElementType type) {
   switch (type) {
     case ElementType::kInt8:
-    case ElementType::kUint8: return 1;
+    case ElementType::kUint8:
+      return 1;
     case ElementType::kInt16:
-    case ElementType::kUint16: return 2;
+    case ElementType::kUint16:
+      return 2;
     case ElementType::kUint32:
-    case ElementType::kFloat32: return 4;
+    case ElementType::kFloat32:
+      return 4;
     case ElementType::kUint64:
-    case ElementType::kFloat64: return 8;
+    case ElementType::kFloat64:
+      return 8;
   }
   throw std::logic_error("unknown element type");
 }

@@ -1,5 +1,5 @@
-// An artifact in memory: named arrays with units and meaning, and what it was made from. On disk it is
-// one HDF5 file (store/hdf5_image.h).
+// An artifact in memory: named arrays with units and meaning, and what it was made from. On disk it
+// is one HDF5 file (store/hdf5_image.h).
 #pragma once
 
 #include <cstddef>
@@ -22,15 +22,24 @@ std::size_t element_size(ElementType type);
 
 template <typename T>
 constexpr ElementType element_type_of() {
-  if constexpr (std::is_same_v<T, std::int8_t>) return ElementType::kInt8;
-  else if constexpr (std::is_same_v<T, std::int16_t>) return ElementType::kInt16;
-  else if constexpr (std::is_same_v<T, std::uint8_t>) return ElementType::kUint8;
-  else if constexpr (std::is_same_v<T, std::uint16_t>) return ElementType::kUint16;
-  else if constexpr (std::is_same_v<T, std::uint32_t>) return ElementType::kUint32;
-  else if constexpr (std::is_same_v<T, std::uint64_t>) return ElementType::kUint64;
-  else if constexpr (std::is_same_v<T, float>) return ElementType::kFloat32;
-  else if constexpr (std::is_same_v<T, double>) return ElementType::kFloat64;
-  else static_assert(sizeof(T) == 0, "not an element type of artifacts");
+  if constexpr (std::is_same_v<T, std::int8_t>)
+    return ElementType::kInt8;
+  else if constexpr (std::is_same_v<T, std::int16_t>)
+    return ElementType::kInt16;
+  else if constexpr (std::is_same_v<T, std::uint8_t>)
+    return ElementType::kUint8;
+  else if constexpr (std::is_same_v<T, std::uint16_t>)
+    return ElementType::kUint16;
+  else if constexpr (std::is_same_v<T, std::uint32_t>)
+    return ElementType::kUint32;
+  else if constexpr (std::is_same_v<T, std::uint64_t>)
+    return ElementType::kUint64;
+  else if constexpr (std::is_same_v<T, float>)
+    return ElementType::kFloat32;
+  else if constexpr (std::is_same_v<T, double>)
+    return ElementType::kFloat64;
+  else
+    static_assert(sizeof(T) == 0, "not an element type of artifacts");
 }
 
 struct Dataset {
@@ -53,20 +62,23 @@ struct Artifact {
            std::string units, std::string meaning) {
     std::uint64_t count = 1;
     for (auto d : dims) count *= d;
-    if (count != values.size()) throw std::logic_error("artifact array " + name + ": shape and size differ");
-    Dataset dataset{element_type_of<T>(), std::move(dims), {}, std::move(units), std::move(meaning)};
+    if (count != values.size())
+      throw std::logic_error("artifact array " + name + ": shape and size differ");
+    Dataset dataset{
+        element_type_of<T>(), std::move(dims), {}, std::move(units), std::move(meaning)};
     const auto raw = std::as_bytes(values);
     dataset.bytes.assign(raw.begin(), raw.end());
     datasets[name] = std::move(dataset);
   }
   void put(const std::string& name, const MatrixF& m, std::string units, std::string meaning) {
     put(name, std::span<const float>(m.data(), static_cast<std::size_t>(m.size())),
-        {static_cast<std::uint64_t>(m.rows()), static_cast<std::uint64_t>(m.cols())}, std::move(units),
-        std::move(meaning));
-  }
-  void put(const std::string& name, const std::vector<Vec3f>& v, std::string units, std::string meaning) {
-    put(name, std::span<const float>(v.empty() ? nullptr : v[0].data(), v.size() * 3), {v.size(), 3},
+        {static_cast<std::uint64_t>(m.rows()), static_cast<std::uint64_t>(m.cols())},
         std::move(units), std::move(meaning));
+  }
+  void put(const std::string& name, const std::vector<Vec3f>& v, std::string units,
+           std::string meaning) {
+    put(name, std::span<const float>(v.empty() ? nullptr : v[0].data(), v.size() * 3),
+        {v.size(), 3}, std::move(units), std::move(meaning));
   }
 
   [[nodiscard]] bool has(const std::string& name) const { return datasets.contains(name); }
@@ -77,7 +89,8 @@ struct Artifact {
   template <typename T>
   [[nodiscard]] std::span<const T> values(const std::string& name) const {
     const Dataset& d = at(name);
-    if (d.type != element_type_of<T>()) throw UnsoundData("array " + name + " has another element type");
+    if (d.type != element_type_of<T>())
+      throw UnsoundData("array " + name + " has another element type");
     return {reinterpret_cast<const T*>(d.bytes.data()), d.bytes.size() / sizeof(T)};
   }
   template <typename T>

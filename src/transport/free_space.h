@@ -1,4 +1,5 @@
-// Where lights may stand: one rule for training lights and test lights (design: what "error" means).
+// Where lights may stand: one rule for training lights and test lights (design: what "error"
+// means).
 #pragma once
 
 #include <cstdint>
@@ -9,10 +10,11 @@
 
 namespace prt {
 
-/// A position is free when it lies in the samples' bounding box, at least `clearance` (m) from every
-/// surface, and sees at least one sample from that sample's front. Draws `count` of them uniformly;
-/// position k depends on (stream, k) alone, so any range can be drawn by any task: `first` is the number
-/// of the first. Throws UserError when a position cannot be found in 10,000 tries.
+/// A position is free when it lies in the samples' bounding box, at least `clearance` (m) from
+/// every surface, and sees at least one sample from that sample's front. Draws `count` of them
+/// uniformly; position k depends on (stream, k) alone, so any range can be drawn by any task:
+/// `first` is the number of the first. Throws UserError when a position cannot be found in 10,000
+/// tries.
 std::vector<Vec3f> free_positions(const Scene& scene, const RayCaster& caster,
                                   const SampleSet& samples, float clearance, std::uint64_t stream,
                                   std::size_t first, std::size_t count);
