@@ -7,6 +7,10 @@ function(prt_module name)
   cmake_parse_arguments(ARG "" "" "DEPENDS;PUBLIC_LIBS;PRIVATE_LIBS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(TRANSFORM ARG_DEPENDS PREPEND prt_)
+  if(NOT sources)  # headers only
+    file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${name}_headers.cpp "")
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/${name}_headers.cpp)
+  endif()
   add_library(prt_${name} STATIC ${sources})
   target_include_directories(prt_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
   target_link_libraries(prt_${name} PUBLIC prt_flags ${ARG_DEPENDS} ${ARG_PUBLIC_LIBS}

@@ -7,7 +7,7 @@
 namespace prt {
 
 std::uint64_t stream_key(std::uint64_t seed, std::string_view name) {
-  return Hasher().add_values(std::span(&seed, 1)).add(name).digest().low;
+  return Hasher().add_values(std::span<const std::uint64_t>(&seed, 1)).add(name).digest().low;
 }
 
 Mat3f frame_from_normal(const Vec3f& n) {
