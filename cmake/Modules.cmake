@@ -20,6 +20,10 @@ endfunction()
 # Flags every target of ours shares.
 add_library(prt_flags INTERFACE)
 target_compile_options(prt_flags INTERFACE -Wall -Wextra $<$<BOOL:${PRT_WERROR}>:-Werror>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 sees overlapping copies in std::string operator+ where there are none (GCC bug 105651).
+  target_compile_options(prt_flags INTERFACE -Wno-restrict)
+endif()
 if(PRT_NATIVE)
   target_compile_options(prt_flags INTERFACE -march=native)
 else()
