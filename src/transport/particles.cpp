@@ -1,0 +1,145 @@
+#include "transport/particles.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace prt {
+
+void SurfacePoints::append(const SurfacePoints& other) {
+  positions.insert(positions.end(), other.positions.begin(), other.positions.end());
+  normals.insert(normals.end(), other.normals.begin(), other.normals.end());
+  triangles.insert(triangles.end(), other.triangles.begin(), other.triangles.end());
+}
+
+namespace {
+
+constexpr std::size_t kBatch = 1024;
+
+struct Particle {
+  Random random;
+  int collisions = 0;
+};
+
+/// Advances all particles of a batch by one collision; drops those that escape or have ended.
+struct Batch {
+  std::vector<Particle> particles;
+  std::vector<Ray> rays;
+  std::vector<Hit> hits;
+};
+
+void start_batch(Batch& batch, const ParticleSettings& s, std::uint64_t first) {
+  batch.particles.clear();
+  batch.rays.clear();
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    Random random(s.stream, first + i);
+    const float u = random.uniform();
+    const float v = random.uniform();
+    batch.rays.push_back({s.start, sphere_direction(u, v)});
+    batch.particles.push_back({random, 0});
+  }
+}
+
+void collide(const Scene& scene, Batch& batch, int warm_up, const ParticleSettings& s,
+             SurfacePoints& kept) {
+  std::size_t alive = 0;
+  for (std::size_t i = 0; i < batch.rays.size(); ++i) {
+    if (batch.hits[i].escaped()) continue;
+    const SurfacePoint point = surface_at(scene, batch.rays[i], batch.hits[i]);
+    Particle particle = batch.particles[i];
+    ++particle.collisions;
+    if (particle.collisions > warm_up && kept.size() < s.wanted) {
+      kept.positions.push_back(point.position);
+      kept.normals.push_back(point.normal);
+      kept.triangles.push_back(point.triangle);
+    }
+    if (particle.collisions >= warm_up + s.kept_reflections) continue;
+    const float u = particle.random.uniform();
+    const float v = particle.random.uniform();
+    batch.rays[alive] = {offset_origin(scene, point.position, point.normal),
+                         cosine_direction(point.normal, u, v)};
+    batch.particles[alive] = particle;
+    ++alive;
+  }
+  batch.rays.resize(alive);
+  batch.particles.resize(alive, Particle{Random(0, 0), 0});
+}
+
+}  // namespace
+
+SurfacePoints trace_particles(const Scene& scene, const RayCaster& caster,
+                              const ParticleSettings& settings) {
+  SurfacePoints kept;
+  Batch batch;
+  int warm_up = settings.warm_up_reflections;
+  std::size_t rays_used = 0;
+  for (std::uint64_t first = settings.first_particle;
+       kept.size() < settings.wanted && rays_used < settings.ray_budget; first += kBatch) {
+    if (rays_used > settings.ray_budget / 2 && kept.size() < settings.wanted / 4) warm_up = 0;
+    start_batch(batch, settings, first);
+    while (!batch.rays.empty() && kept.size() < settings.wanted) {
+      batch.hits.resize(batch.rays.size());
+      caster.intersect_incoherent(batch.rays, batch.hits);
+      rays_used += batch.rays.size();
+      collide(scene, batch, warm_up, settings, kept);
+    }
+  }
+  return kept;
+}
+
+namespace {
+
+/// How good a view p has: front faces count for it, back faces (it is inside a solid) weigh against
+/// it, and distance decides between places that both see everything.
+double view_score(const Scene& scene, const RayCaster& caster, const Vec3f& p,
+                  const std::vector<Vec3f>& directions) {
+  std::vector<Ray> rays;
+  for (const Vec3f& d : directions) rays.push_back({p, d});
+  std::vector<Hit> hits(rays.size());
+  caster.intersect_incoherent(rays, hits);
+  double score = 0.0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (hits[i].escaped()) continue;
+    const bool front = surface_at(scene, rays[i], hits[i]).front;
+    score += front ? 1.0 + 0.5 * std::min(1.0F, 4.0F * hits[i].t / scene.diagonal()) : -4.0;
+  }
+  return score;
+}
+
+}  // namespace
+
+Vec3f find_start(const Scene& scene, const RayCaster& caster, std::uint64_t stream) {
+  constexpr int kPlaces = 512;
+  constexpr int kDirections = 128;
+  std::vector<Vec3f> directions;
+  Random direction_random(stream, kPlaces);
+  for (int i = 0; i < kDirections; ++i) {
+    const float u = (static_cast<float>(i) + direction_random.uniform()) / kDirections;
+    directions.push_back(sphere_direction(u, direction_random.uniform()));
+  }
+  double best_score = 0.0;
+  Vec3f best = Vec3f::Zero();
+  for (int k = 0; k < kPlaces; ++k) {
+    Random random(stream, k);
+    const float x = random.uniform();
+    const float y = random.uniform();
+    const float z = random.uniform();
+    const Vec3f p =
+        scene.bounds_min + (scene.bounds_max - scene.bounds_min).cwiseProduct(Vec3f(x, y, z));
+    const double score = view_score(scene, caster, p, directions);
+    if (score > best_score) {
+      best_score = score;
+      best = p;
+    }
+  }
+  if (best_score <= 0.0) {
+    throw UserError(
+        "samples.start: no point of the scene's bounding box sees a front face; give a start point "
+        "[x, y, z] in the open");
+  }
+  return best;
+}
+
+}  // namespace prt
