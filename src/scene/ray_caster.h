@@ -26,7 +26,7 @@ class RayCaster {
 
   /// Distance from p to the nearest surface, m, or `limit` if none is nearer. Alpha-masked triangles
   /// count whole.
-  [[nodiscard]] virtual float closest_distance(const Vec3f& p, float limit) const;
+  [[nodiscard]] virtual float closest_distance(const Vec3f& p, float limit) const = 0;
 
   /// True if nothing lies between two points, each taken off its surface by the caller.
   [[nodiscard]] bool visible(const Vec3f& from, const Vec3f& to) const;
