@@ -1,0 +1,81 @@
+#include "transport/cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/random.h"
+
+namespace prt {
+
+std::vector<double> cumulative_areas(const Scene& scene) {
+  std::vector<double> sums(scene.triangles.size() + 1, 0.0);
+  for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
+    sums[t + 1] = sums[t] + triangle_area(scene, t);
+  }
+  return sums;
+}
+
+namespace {
+
+constexpr int kReachRays = 16;
+
+/// Rays from a point whose nearest sample is hidden from it: reachable if one ends at a cell.
+bool reachable(const Scene& scene, const RayCaster& caster, const SenderSearch& search,
+               const Vec3f& position, const Vec3f& normal, Random& random) {
+  std::array<Ray, kReachRays> rays;
+  std::array<Hit, kReachRays> hits;
+  const Vec3f origin = offset_origin(scene, position, normal);
+  for (Ray& ray : rays) {
+    const float u = random.uniform();
+    ray = {origin, cosine_direction(normal, u, random.uniform())};
+  }
+  caster.intersect_coherent(rays, hits);
+  for (int i = 0; i < kReachRays; ++i) {
+    if (hits[i].escaped()) continue;
+    const SurfacePoint end = surface_at(scene, rays[i], hits[i]);
+    if (search.find_near(end.position, end.normal) != kNone) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+CellPoints draw_cell_points(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
+                            const SenderSearch& search, const std::vector<double>& cumulative,
+                            std::uint64_t total, std::uint64_t first, std::uint64_t count,
+                            std::uint64_t stream) {
+  CellPoints points;
+  const double whole = cumulative.back();
+  for (std::uint64_t k = first; k < std::min(first + count, total); ++k) {
+    Random random(stream, k);
+    const double along = (static_cast<double>(k) + random.uniform()) / static_cast<double>(total);
+    const auto above =
+        std::upper_bound(cumulative.begin() + 1, cumulative.end() - 1, along * whole);
+    const auto triangle = static_cast<std::uint32_t>(above - cumulative.begin() - 1);
+    // The golden-ratio sequence spreads the points of one triangle evenly.
+    const double golden = 0.6180339887498949 * static_cast<double>(k);
+    const float root = std::sqrt(random.uniform());
+    const auto slide = static_cast<float>(golden - std::floor(golden));
+    const float u = root * (1.0F - slide);
+    const float v = root * slide;
+    if (!opaque_at(scene, triangle, u, v)) continue;
+    const Vec3f position = triangle_point(scene, triangle, u, v);
+    const Vec3f front = triangle_normal(scene, triangle);
+    for (const Vec3f& normal : {front, Vec3f(-front)}) {
+      const std::uint32_t s = search.find_near(position, normal);
+      if (s == kNone) continue;
+      const bool seen =
+          caster.visible(offset_origin(scene, position, normal),
+                         offset_origin(scene, samples.positions[s], samples.normals[s]));
+      if (!seen && !reachable(scene, caster, search, position, normal, random)) continue;
+      points.samples.push_back(s);
+      points.triangles.push_back(triangle);
+      points.barycentric.push_back(u);
+      points.barycentric.push_back(v);
+    }
+  }
+  return points;
+}
+
+}  // namespace prt

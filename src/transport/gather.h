@@ -1,0 +1,39 @@
+// The gather operator: stored hemispherical hits as one bounce of light, E = T E with
+// T = G·diag(albedo) and G(s, j) the cosine-weighted share of sample s's hemisphere that cell j
+// fills.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/types.h"
+#include "domains/samples.h"
+
+namespace prt {
+
+/// Functions on samples that live on one cluster each: function f of cluster c has values on c's
+/// samples only. Rows are samples; a row holds the values of the functions of its own cluster.
+struct ClusterFunctions {
+  std::vector<std::uint32_t> begin;  ///< first function of each cluster; clusters + 1 entries
+  MatrixF values;                    ///< samples × (most functions in a cluster), zero padded
+  [[nodiscard]] std::uint32_t count() const { return begin.back(); }
+  [[nodiscard]] std::uint32_t of(std::size_t cluster) const {
+    return begin[cluster + 1] - begin[cluster];
+  }
+};
+
+/// T applied to all functions, for receiver samples [begin, end): one matrix per channel,
+/// (end - begin) × functions.count(). `senders`: their hits, (end - begin) × weights.size(), as
+/// HemisphereRays has them; `weights` the directions' cosine weights; `albedo` samples × channels.
+std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
+                                      std::span<const float> weights, const MatrixF& albedo,
+                                      const ClusterFunctions& functions,
+                                      std::span<const std::uint32_t> cluster_of_sample);
+
+/// T applied to global fields: fields[c] is samples × m for channel c; result (receivers) × m each.
+std::vector<MatrixF> gather_fields(std::span<const std::uint32_t> senders,
+                                   std::span<const float> weights, const MatrixF& albedo,
+                                   const std::vector<MatrixF>& fields);
+
+}  // namespace prt
