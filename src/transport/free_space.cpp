@@ -31,7 +31,8 @@ Box samples_box(const SampleSet& samples) {
   return box;
 }
 
-/// The samples are tried in an order drawn from `random`, so that the first few settle most positions.
+/// The samples are tried in an order drawn from `random`, so that the first few settle most
+/// positions.
 bool sees_a_sample(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
                    const Vec3f& position, Random& random) {
   const auto count = static_cast<std::uint32_t>(samples.size());

@@ -15,8 +15,8 @@ constexpr int kFirstRouletteBounce = 4;
 /// A path survives with at most this probability, so that white scenes end too.
 constexpr float kMaxSurvival = 0.98F;
 
-/// Radical inverse in base 2 with a digital shift: with i/n it forms a (0,m,2)-net, and each value is
-/// uniform in [0, 1) over random shifts (Kollig & Keller 2002).
+/// Radical inverse in base 2 with a digital shift: with i/n it forms a (0,m,2)-net, and each value
+/// is uniform in [0, 1) over random shifts (Kollig & Keller 2002).
 float shifted_radical_inverse(std::uint32_t i, std::uint32_t shift) {
   std::uint32_t reversed = 0;
   for (int bit = 0; bit < 32; ++bit) reversed |= ((i >> bit) & 1U) << (31 - bit);
@@ -38,8 +38,8 @@ struct Path {
 /// Shadow rays waiting to be cast, each with what it brings if nothing is in its way.
 class ShadowQueue {
  public:
-  /// Adds irradiance · weight at the surface point to `sum` unless a light sample is hidden. The ray
-  /// starts at the light, where neighbouring rays are coherent.
+  /// Adds irradiance · weight at the surface point to `sum` unless a light sample is hidden. The
+  /// ray starts at the light, where neighbouring rays are coherent.
   void add(const Scene& scene, const Light& light, const Vec3f& position, const Vec3f& normal,
            float u, float v, const Vec3f& weight, std::uint32_t sum) {
     const IncidentLight incident = incident_light(light, position, u, v);
@@ -100,8 +100,10 @@ class Wave {
     start_paths(points, first_item);
     for (int bounce = 1; !paths_.empty() && (bounces_ < 0 || bounce <= bounces_); ++bounce) {
       hits_.resize(rays_.size());
-      if (bounce == 1) caster_.intersect_coherent(rays_, hits_);
-      else caster_.intersect_incoherent(rays_, hits_);
+      if (bounce == 1)
+        caster_.intersect_coherent(rays_, hits_);
+      else
+        caster_.intersect_incoherent(rays_, hits_);
       reflect(bounce);
       shadows_.cast(caster_, sums_);
     }
@@ -162,8 +164,9 @@ class Wave {
     }
   }
 
-  /// Takes the direct light at each hit and sends the surviving paths on. Cosine-distributed directions
-  /// make every estimate of irradiance π·L, so a vertex brings throughput · albedo · its irradiance.
+  /// Takes the direct light at each hit and sends the surviving paths on. Cosine-distributed
+  /// directions make every estimate of irradiance π·L, so a vertex brings throughput · albedo · its
+  /// irradiance.
   void reflect(int bounce) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < paths_.size(); ++i) {
@@ -185,8 +188,9 @@ class Wave {
       rays_[kept] = next;
       paths_[kept++] = path;
     }
-    rays_.resize(kept, Ray{});
-    paths_.erase(paths_.begin() + static_cast<std::ptrdiff_t>(kept), paths_.end());
+    const auto end = static_cast<std::ptrdiff_t>(kept);
+    rays_.erase(rays_.begin() + end, rays_.end());
+    paths_.erase(paths_.begin() + end, paths_.end());
   }
 
   /// Russian roulette: the expected throughput is unchanged.

@@ -20,8 +20,9 @@ struct ReceiverPoint {
 };
 
 struct PathTracerSettings {
-  int paths = 64;    ///< per point, both halves together; rounded up to even, at least 2
-  int bounces = -1;  ///< reflections at most; -1: no limit, ended by Russian roulette; 0: no indirect
+  int paths = 64;  ///< per point, both halves together; rounded up to even, at least 2
+  int bounces =
+      -1;  ///< reflections at most; -1: no limit, ended by Russian roulette; 0: no indirect
 };
 
 /// Irradiance (W/m², RGB) from two independent halves of the paths: their means are the references
@@ -33,14 +34,15 @@ struct IrradianceEstimate {
   [[nodiscard]] Vec3f mean_indirect() const { return 0.5F * (indirect[0] + indirect[1]); }
 };
 
-/// Traces all points under the sum of the lights. Direct light of punctual lights is exact (one shadow
-/// ray, both halves equal). The first directions of each half are a randomised (0,m,2)-net over the
-/// cosine-weighted hemisphere. Point i depends on (stream, first_item + i) alone, so ranges may be
-/// traced by different tasks. Pure; call it from several threads at will.
+/// Traces all points under the sum of the lights. Direct light of punctual lights is exact (one
+/// shadow ray, both halves equal). The first directions of each half are a randomised (0,m,2)-net
+/// over the cosine-weighted hemisphere. Point i depends on (stream, first_item + i) alone, so
+/// ranges may be traced by different tasks. Pure; call it from several threads at will.
 std::vector<IrradianceEstimate> trace_irradiance(const Scene& scene, const RayCaster& caster,
                                                  std::span<const Light> lights,
                                                  std::span<const ReceiverPoint> points,
                                                  const PathTracerSettings& settings,
-                                                 std::uint64_t stream, std::uint64_t first_item = 0);
+                                                 std::uint64_t stream,
+                                                 std::uint64_t first_item = 0);
 
 }  // namespace prt
