@@ -1,0 +1,50 @@
+#!/usr/bin/python3
+"""Makes the scenes under configs/scenes. Needs Debian's python3-numpy.
+
+    scripts/make_scenes.py            writes all of them
+    scripts/make_scenes.py --check    fails unless the files are what this script makes
+"""
+
+import argparse
+import pathlib
+import sys
+
+from scenes.cornell import closed_box, cornell, textured_room
+from scenes.gallery import gallery
+
+SCENES = {"cornell": cornell, "gallery": gallery, "closed_box": closed_box,
+          "textured_room": textured_room}
+FOLDER = pathlib.Path(__file__).resolve().parent.parent / "configs" / "scenes"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="SCENE", help=", ".join(SCENES))
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder to write to")
+    parser.add_argument("--albedo", type=float, default=0.5, help="of closed_box")
+    arguments = parser.parse_args()
+    unknown = sorted(set(arguments.names) - set(SCENES))
+    if unknown:
+        parser.error(f"no scene {unknown[0]}: there are {', '.join(SCENES)}")
+
+    wrong = []
+    for name in arguments.names or SCENES:
+        glb = closed_box(arguments.albedo) if name == "closed_box" else SCENES[name]()
+        data, path = glb.bytes(), arguments.out / f"{name}.glb"
+        if arguments.check:
+            if not path.is_file() or path.read_bytes() != data:
+                wrong.append(path)
+            continue
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+        print(f"{path}: {glb.triangles()} triangles, {len(data)} bytes")
+    for path in wrong:
+        print(f"{path} is not what {sys.argv[0]} makes: run it and commit the result",
+              file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Geometry of the committed scenes; scripts/make_scenes.py writes them."""
