@@ -16,7 +16,7 @@ struct OptionSpec {
   nlohmann::json fallback;  ///< default value; null: none (unset)
   double minimum = 0.0;     ///< numbers only, inclusive
   double maximum = 0.0;
-  std::vector<std::string> choices;  ///< kText: allowed words; empty: any
+  std::vector<std::string> choices;  ///< allowed words (kText) or numbers; empty: any
   std::string unit;
   std::string meaning;
   std::string source;  ///< paper and equation or section
@@ -39,6 +39,9 @@ class OptionValues {
  private:
   std::map<std::string, nlohmann::json> values_;
 };
+
+/// What fits the option, in words: "a whole number from 8 to 16", "all or needed".
+std::string expected_value(const OptionSpec& spec);
 
 /// Throws UserError unless `value` fits the option; `where` names file and line.
 void check_option(const OptionSpec& spec, const nlohmann::json& value, const std::string& where);

@@ -1,0 +1,349 @@
+#include "jobs/coordinator.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace prt {
+
+namespace {
+
+constexpr std::size_t kUnknown = static_cast<std::size_t>(-1);
+/// A file that turns bad again and again is a broken disk, not bad luck.
+constexpr int kMostDistrust = 3;
+
+}  // namespace
+
+bool Coordinator::ReadyOrder::operator()(std::size_t a, std::size_t b) const {
+  const TaskSpec& x = (*tasks)[a].spec;
+  const TaskSpec& y = (*tasks)[b].spec;
+  return x.cost != y.cost ? x.cost > y.cost : x.id < y.id;
+}
+
+Coordinator::Coordinator(Settings settings, KnownContents known)
+    : settings_(settings), contents_(std::move(known)), ready_(ReadyOrder{&tasks_}) {}
+
+std::vector<Command> Coordinator::handle(const Event& event) {
+  std::visit([this](const auto& e) { on(e); }, event);
+  hand_out();
+  announce();
+  return std::exchange(commands_, {});
+}
+
+// ---- workers -----------------------------------------------------------------------------------
+
+void Coordinator::on(const WorkerJoined& event) {
+  WorkerState& worker = workers_[event.worker];
+  lose(worker);
+  free_.erase({-worker.slots, event.worker});
+  worker.slots = std::max(1, event.slots);
+  worker.present = true;
+  worker.heard = now_;
+  offer(event.worker, worker);
+  if (stopped_) commands_.emplace_back(Dismiss{event.worker, ExitCode::kInterrupted});
+}
+
+void Coordinator::hear(WorkerId id) {
+  const auto it = workers_.find(id);
+  if (it == workers_.end()) return;
+  it->second.heard = now_;
+  if (!it->second.present) {
+    it->second.present = true;
+    offer(id, it->second);
+  }
+}
+
+void Coordinator::on(const Heartbeat& event) { hear(event.worker); }
+
+void Coordinator::on(const WorkerLost& event) {
+  const auto it = workers_.find(event.worker);
+  if (it == workers_.end() || !it->second.present) return;
+  lose(it->second);
+  free_.erase({-it->second.slots, event.worker});
+  it->second.present = false;
+}
+
+void Coordinator::on(const Tick& event) {
+  now_ = std::max(now_, event.now);
+  if (settings_.lease_seconds <= 0.0) return;
+  std::vector<WorkerId> silent;
+  for (const auto& [id, worker] : workers_) {
+    if (worker.present && now_ - worker.heard > settings_.lease_seconds) silent.push_back(id);
+  }
+  for (const WorkerId id : silent) on(WorkerLost{id});
+}
+
+void Coordinator::lose(WorkerState& worker) {
+  for (const std::size_t task : std::set<std::size_t>(worker.tasks)) release(task);
+}
+
+void Coordinator::offer(WorkerId id, const WorkerState& worker) {
+  const int free = worker.slots - static_cast<int>(worker.tasks.size());
+  if (worker.present && free > 0) free_.emplace(-free, id);
+}
+
+// ---- tasks -------------------------------------------------------------------------------------
+
+std::size_t Coordinator::find(const std::string& id) const {
+  const auto it = index_.find(id);
+  return it == index_.end() ? kUnknown : it->second;
+}
+
+void Coordinator::on(const TasksAdded& event) {
+  const std::size_t first_new = tasks_.size();
+  for (const TaskSpec& spec : event.tasks) {
+    if (!add_task(spec)) return;
+  }
+  for (std::size_t i = first_new; i < tasks_.size(); ++i) {
+    if (!link_inputs(i)) return;
+  }
+  if (has_cycle(first_new)) {
+    fail("the plan has a cycle of tasks that wait for each other; please report this bug");
+    return;
+  }
+  for (std::size_t i = first_new; i < tasks_.size(); ++i) release(i);
+  last_plan_ = event.last;
+  announced_ = false;
+}
+
+bool Coordinator::add_task(const TaskSpec& spec) {
+  if (const std::size_t known = find(spec.id); known != kUnknown) {
+    const TaskSpec& old = tasks_[known].spec;
+    const bool same = old.kind == spec.kind && old.version == spec.version &&
+                      old.parameters == spec.parameters && old.inputs == spec.inputs &&
+                      old.scene_parts == spec.scene_parts;
+    if (!same) fail("task " + spec.id + " was planned twice, differently; please report this bug");
+    return same;
+  }
+  index_[spec.id] = tasks_.size();
+  tasks_.emplace_back().spec = spec;
+  ++undone_;
+  if (!stage_progress_.contains(spec.kind)) stages_.push_back(spec.kind);
+  StageProgress& stage = stage_progress_[spec.kind];
+  ++stage.total;
+  stage.cost_total += spec.cost;
+  return true;
+}
+
+bool Coordinator::link_inputs(std::size_t index) {
+  for (const std::string& id : tasks_[index].spec.inputs) {
+    const std::size_t input = find(id);
+    if (input == kUnknown) {
+      fail("task " + tasks_[index].spec.id + " reads " + id +
+           ", which nobody makes; please report this bug");
+      return false;
+    }
+    tasks_[index].inputs.push_back(input);
+    tasks_[input].dependents.push_back(index);
+    if (tasks_[input].state != State::kDone) ++tasks_[index].missing;
+  }
+  return true;
+}
+
+bool Coordinator::has_cycle(std::size_t first_new) const {
+  // Old tasks never depend on new ones, so only the new ones can close a cycle.
+  std::vector<std::size_t> waits(tasks_.size() - first_new, 0);
+  std::vector<std::size_t> open;
+  for (std::size_t i = first_new; i < tasks_.size(); ++i) {
+    for (const std::size_t input : tasks_[i].inputs) waits[i - first_new] += input >= first_new;
+    if (waits[i - first_new] == 0) open.push_back(i);
+  }
+  std::size_t reached = 0;
+  while (!open.empty()) {
+    const std::size_t i = open.back();
+    open.pop_back();
+    ++reached;
+    for (const std::size_t dependent : tasks_[i].dependents) {
+      if (--waits[dependent - first_new] == 0) open.push_back(dependent);
+    }
+  }
+  return reached != waits.size();
+}
+
+/// Takes a task from whoever has it; it runs (again) once its inputs are there.
+void Coordinator::release(std::size_t index) {
+  detach(index);
+  Task& task = tasks_[index];
+  ready_.erase(index);
+  task.state = State::kWaiting;
+  if (task.missing == 0) make_ready(index);
+}
+
+void Coordinator::detach(std::size_t index) {
+  Task& task = tasks_[index];
+  if (task.state != State::kAssigned) return;
+  WorkerState& worker = workers_.at(task.worker);
+  free_.erase({static_cast<int>(worker.tasks.size()) - worker.slots, task.worker});
+  worker.tasks.erase(index);
+  offer(task.worker, worker);
+  task.worker = -1;
+}
+
+Digest Coordinator::key_of(const Task& task) const {
+  std::vector<Digest> contents;
+  for (const std::size_t input : task.inputs) contents.push_back(tasks_[input].content);
+  return task_key(task.spec, contents, settings_.scene);
+}
+
+void Coordinator::make_ready(std::size_t index) {
+  Task& task = tasks_[index];
+  task.key = key_of(task);
+  task.state = State::kReady;
+  ready_.insert(index);
+}
+
+void Coordinator::on(const TaskDone& event) {
+  hear(event.worker);
+  const std::size_t index = find(event.task);
+  if (index == kUnknown || tasks_[index].key != event.key) return;  // not of this plan
+  const auto [known, is_new] = contents_.try_emplace(event.key, event.content);
+  if (known->second != event.content) {
+    fail("task " + event.task + " gave another result than before (artifact " + event.key.hex() +
+         ": content " + event.content.hex() + ", before " + known->second.hex() +
+         "): a determinism bug, please report it; --fresh bakes anew");
+    return;
+  }
+  if (tasks_[index].state == State::kDone) return;
+  Task& task = tasks_[index];
+  if (!task.recorded) commands_.emplace_back(Record{event, task.spec.kind, !is_new});
+  finish(index, event);
+}
+
+void Coordinator::finish(std::size_t index, const TaskDone& event) {
+  detach(index);
+  ready_.erase(index);
+  Task& task = tasks_[index];
+  task.state = State::kDone;
+  task.content = event.content;
+  StageProgress& stage = stage_progress_[task.spec.kind];
+  ++stage.done;
+  stage.cost_done += task.spec.cost;
+  if (!task.recorded) {
+    task.adopted = event.adopted;
+    stage.adopted += event.adopted ? 1 : 0;
+  }
+  task.recorded = true;
+  --undone_;
+  for (const std::size_t dependent : task.dependents) {
+    Task& next = tasks_[dependent];
+    if (--next.missing == 0 && next.state == State::kWaiting) make_ready(dependent);
+  }
+}
+
+/// A finished task's artifact is gone or bad: it runs again, and what waits for it waits.
+void Coordinator::undo(std::size_t index) {
+  Task& task = tasks_[index];
+  StageProgress& stage = stage_progress_[task.spec.kind];
+  --stage.done;
+  stage.cost_done -= task.spec.cost;
+  ++undone_;
+  announced_ = false;
+  for (const std::size_t dependent : task.dependents) {
+    Task& next = tasks_[dependent];
+    ++next.missing;
+    if (next.state == State::kReady) release(dependent);
+  }
+  release(index);
+}
+
+void Coordinator::on(const TaskFailed& event) {
+  hear(event.worker);
+  const std::size_t index = find(event.task);
+  if (index == kUnknown || tasks_[index].state == State::kDone) return;
+  release(index);
+  fail(event.user_error ? event.message : "task " + event.task + ": " + event.message,
+       event.user_error);
+}
+
+void Coordinator::on(const InputUnsound& event) {
+  hear(event.worker);
+  const std::size_t index = find(event.task);
+  const std::size_t input = find(event.input);
+  if (index == kUnknown || input == kUnknown) return;
+  Task& task = tasks_[index];
+  if (task.state == State::kAssigned && task.worker == event.worker) release(index);
+  if (task.state == State::kDone || tasks_[input].state != State::kDone) return;
+  if (++task.distrusted > kMostDistrust) {
+    fail("the artifact of " + event.input + " was made again " + std::to_string(kMostDistrust) +
+         " times and still cannot be read; check the disk of the output folder");
+    return;
+  }
+  undo(input);
+}
+
+void Coordinator::on(const ResultUnsound& event) {
+  const std::size_t index = find(event.task);
+  if (index == kUnknown || tasks_[index].state != State::kDone) return;
+  if (++tasks_[index].distrusted > kMostDistrust) {
+    fail("the artifact of " + event.task + " cannot be read; check the disk of the output folder");
+    return;
+  }
+  undo(index);
+}
+
+// ---- decisions ---------------------------------------------------------------------------------
+
+void Coordinator::hand_out() {
+  while (!stopped_ && !ready_.empty() && !free_.empty()) {
+    assign(*ready_.begin(), free_.begin()->second);
+  }
+}
+
+void Coordinator::assign(std::size_t index, WorkerId id) {
+  WorkerState& worker = workers_.at(id);
+  Task& task = tasks_[index];
+  ready_.erase(index);
+  free_.erase({static_cast<int>(worker.tasks.size()) - worker.slots, id});
+  worker.tasks.insert(index);
+  offer(id, worker);
+  task.state = State::kAssigned;
+  task.worker = id;
+
+  Assignment assignment{task.spec, *task.key, std::nullopt, {}};
+  if (const auto known = contents_.find(*task.key); known != contents_.end()) {
+    assignment.expected = known->second;
+  }
+  for (const std::size_t input : task.inputs) {
+    const Task& made = tasks_[input];
+    assignment.inputs.push_back({made.spec.id, made.spec.kind, *made.key, made.content});
+  }
+  commands_.emplace_back(Assign{id, std::move(assignment)});
+}
+
+void Coordinator::announce() {
+  if (stopped_ || announced_ || undone_ > 0) return;
+  announced_ = true;
+  if (last_plan_) {
+    commands_.emplace_back(AllDone{});
+  } else {
+    commands_.emplace_back(StageDone{});
+  }
+}
+
+void Coordinator::fail(std::string message, bool user_error) {
+  if (stopped_) return;
+  stopped_ = true;
+  failed_ = true;
+  commands_.emplace_back(Fail{std::move(message), user_error});
+}
+
+void Coordinator::on(const StopRequested& event) {
+  stopped_ = true;
+  for (const auto& [id, worker] : workers_) commands_.emplace_back(Dismiss{id, event.code});
+}
+
+// ---- questions ---------------------------------------------------------------------------------
+
+std::vector<std::pair<std::string, StageProgress>> Coordinator::progress() const {
+  std::vector<std::pair<std::string, StageProgress>> all;
+  for (const std::string& stage : stages_) all.emplace_back(stage, stage_progress_.at(stage));
+  return all;
+}
+
+std::optional<TaskInput> Coordinator::result(const std::string& id) const {
+  const std::size_t index = find(id);
+  if (index == kUnknown || tasks_[index].state != State::kDone) return std::nullopt;
+  const Task& task = tasks_[index];
+  return TaskInput{id, task.spec.kind, *task.key, task.content};
+}
+
+}  // namespace prt

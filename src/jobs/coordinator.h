@@ -1,0 +1,129 @@
+// Who does what next: a pure state machine without clock, files, threads or messages. The same code
+// runs a bake, random-graph tests and simulations. See README.md for the protocol.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "jobs/protocol.h"
+
+namespace prt {
+
+/// Content hashes by KEY that an earlier run recorded.
+using KnownContents = std::map<Digest, Digest>;
+
+/// How far one stage (all tasks of a kind) is.
+struct StageProgress {
+  std::size_t total = 0;
+  std::size_t done = 0;
+  std::size_t adopted = 0;  ///< of those done: found on disk
+  double cost_total = 0.0;  ///< as planned, seconds
+  double cost_done = 0.0;
+};
+
+class Coordinator {
+ public:
+  struct Settings {
+    SceneHashes scene;
+    double lease_seconds = 0.0;  ///< a worker silent for longer is taken for lost; 0: never
+  };
+
+  Coordinator(Settings settings, KnownContents known);
+  Coordinator(const Coordinator&) = delete;
+  Coordinator& operator=(const Coordinator&) = delete;
+
+  [[nodiscard]] std::vector<Command> handle(const Event& event);
+
+  /// Progress by stage, in order of first appearance.
+  [[nodiscard]] std::vector<std::pair<std::string, StageProgress>> progress() const;
+  [[nodiscard]] std::size_t undone() const { return undone_; }
+  /// Where the artifact of a finished task lies; empty while the task is unknown or not done.
+  [[nodiscard]] std::optional<TaskInput> result(const std::string& task) const;
+
+  /// Throws std::logic_error naming the first invariant that does not hold (none is claimed after a
+  /// Fail). For tests.
+  void check_invariants() const;
+
+ private:
+  enum class State { kWaiting, kReady, kAssigned, kDone };
+  struct Task {
+    TaskSpec spec;
+    State state = State::kWaiting;
+    std::vector<std::size_t> inputs;
+    std::vector<std::size_t> dependents;
+    std::size_t missing = 0;  ///< inputs that are not done
+    int distrusted = 0;       ///< how often it could not trust an input that was done
+    bool recorded = false;
+    bool adopted = false;
+    std::optional<Digest> key;
+    Digest content;
+    WorkerId worker = -1;
+  };
+  struct WorkerState {
+    int slots = 0;
+    bool present = true;
+    std::set<std::size_t> tasks;
+    double heard = 0.0;
+  };
+  /// Most expensive first, then by id.
+  struct ReadyOrder {
+    const std::vector<Task>* tasks;
+    bool operator()(std::size_t a, std::size_t b) const;
+  };
+
+  void on(const WorkerJoined& event);
+  void on(const TasksAdded& event);
+  void on(const TaskDone& event);
+  void on(const TaskFailed& event);
+  void on(const InputUnsound& event);
+  void on(const ResultUnsound& event);
+  void on(const Heartbeat& event);
+  void on(const WorkerLost& event);
+  void on(const Tick& event);
+  void on(const StopRequested& event);
+
+  void hear(WorkerId worker);
+  bool add_task(const TaskSpec& spec);
+  bool link_inputs(std::size_t task);
+  [[nodiscard]] bool has_cycle(std::size_t first_new) const;
+  void release(std::size_t task);
+  void detach(std::size_t task);
+  void make_ready(std::size_t task);
+  void finish(std::size_t task, const TaskDone& event);
+  void undo(std::size_t task);
+  void lose(WorkerState& worker);
+  void offer(WorkerId id, const WorkerState& worker);
+  void hand_out();
+  void assign(std::size_t task, WorkerId worker);
+  void announce();
+  void fail(std::string message, bool user_error = false);
+  [[nodiscard]] std::size_t find(const std::string& id) const;
+  [[nodiscard]] Digest key_of(const Task& task) const;
+  void check_task(std::size_t index) const;
+  void check_workers() const;
+
+  Settings settings_;
+  KnownContents contents_;
+  std::vector<Task> tasks_;
+  std::unordered_map<std::string, std::size_t> index_;
+  std::vector<std::string> stages_;
+  std::map<std::string, StageProgress> stage_progress_;
+  std::map<WorkerId, WorkerState> workers_;
+  std::set<std::pair<int, WorkerId>> free_;  ///< (-free slots, worker): the freest first
+  std::set<std::size_t, ReadyOrder> ready_;
+  std::size_t undone_ = 0;
+  double now_ = 0.0;
+  bool last_plan_ = false;
+  bool announced_ = true;
+  bool stopped_ = false;
+  bool failed_ = false;
+  std::vector<Command> commands_;
+};
+
+}  // namespace prt

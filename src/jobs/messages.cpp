@@ -1,0 +1,157 @@
+#include "jobs/messages.h"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+namespace prt {
+
+using nlohmann::json;
+
+json to_json(const TaskSpec& task) {
+  return {{"id", task.id},           {"kind", task.kind},
+          {"version", task.version}, {"parameters", task.parameters},
+          {"inputs", task.inputs},   {"scene_parts", task.scene_parts},
+          {"cost", task.cost}};
+}
+
+TaskSpec task_from_json(const json& j) {
+  TaskSpec task;
+  task.id = j.at("id");
+  task.kind = j.at("kind");
+  task.version = j.at("version");
+  task.parameters = j.at("parameters");
+  task.inputs = j.at("inputs").get<std::vector<std::string>>();
+  task.scene_parts = j.at("scene_parts");
+  task.cost = j.at("cost");
+  return task;
+}
+
+namespace {
+
+Digest digest_at(const json& j, const char* name) {
+  return Digest::from_hex(j.at(name).get_ref<const std::string&>());
+}
+
+json encode(const Assignment& a) {
+  json inputs = json::array();
+  for (const TaskInput& in : a.inputs) {
+    inputs.push_back({in.id, in.stage, in.key.hex(), in.content.hex()});
+  }
+  json j = {
+      {"type", "assign"}, {"task", to_json(a.task)}, {"key", a.key.hex()}, {"inputs", inputs}};
+  if (a.expected) j["expected"] = a.expected->hex();
+  return j;
+}
+
+Assignment decode_assignment(const json& j) {
+  Assignment a{task_from_json(j.at("task")), digest_at(j, "key"), std::nullopt, {}};
+  if (j.contains("expected")) a.expected = digest_at(j, "expected");
+  for (const json& in : j.at("inputs")) {
+    a.inputs.push_back({in.at(0), in.at(1), Digest::from_hex(in.at(2).get<std::string>()),
+                        Digest::from_hex(in.at(3).get<std::string>())});
+  }
+  return a;
+}
+
+json encode(const WorkerJoined& e) {
+  return {{"type", "joined"}, {"worker", e.worker}, {"slots", e.slots}};
+}
+
+json encode(const TaskDone& e) {
+  return {
+      {"type", "done"},        {"worker", e.worker},         {"task", e.task},
+      {"key", e.key.hex()},    {"content", e.content.hex()}, {"adopted", e.adopted},
+      {"began", e.cost.began}, {"seconds", e.cost.seconds},  {"cpu_seconds", e.cost.cpu_seconds},
+      {"bytes", e.cost.bytes}, {"slot", e.cost.slot}};
+}
+
+json encode(const TaskFailed& e) {
+  return {{"type", "failed"},
+          {"worker", e.worker},
+          {"task", e.task},
+          {"message", e.message},
+          {"user_error", e.user_error}};
+}
+
+json encode(const InputUnsound& e) {
+  return {{"type", "unsound"}, {"worker", e.worker}, {"task", e.task}, {"input", e.input}};
+}
+
+json encode(const Heartbeat& e) { return {{"type", "alive"}, {"worker", e.worker}}; }
+
+json encode(const StopRequested& e) {
+  return {{"type", "stop"}, {"code", static_cast<int>(e.code)}};
+}
+
+template <typename T>
+json encode(const T&) {
+  throw std::logic_error("an event that never travels");
+}
+
+TaskDone decode_done(const json& j) {
+  return {j.at("worker"),
+          j.at("task"),
+          digest_at(j, "key"),
+          digest_at(j, "content"),
+          j.at("adopted"),
+          {j.at("began"), j.at("seconds"), j.at("cpu_seconds"), j.at("bytes"), j.at("slot")}};
+}
+
+Event decode_event(const json& j) {
+  const std::string type = j.at("type");
+  if (type == "done") return decode_done(j);
+  if (type == "joined") return WorkerJoined{j.at("worker"), j.at("slots")};
+  if (type == "alive") return Heartbeat{j.at("worker")};
+  if (type == "unsound") return InputUnsound{j.at("worker"), j.at("task"), j.at("input")};
+  if (type == "stop") return StopRequested{static_cast<ExitCode>(j.at("code").get<int>())};
+  if (type == "failed") {
+    return TaskFailed{j.at("worker"), j.at("task"), j.at("message"), j.at("user_error")};
+  }
+  throw UnsoundData("message of unknown type '" + type + "'");
+}
+
+Order decode(const json& j) {
+  const std::string type = j.at("type");
+  if (type == "assign") return decode_assignment(j);
+  if (type == "dismiss") return Dismissed{static_cast<ExitCode>(j.at("code").get<int>())};
+  throw UnsoundData("message of unknown type '" + type + "'");
+}
+
+json parse(const std::string& text) {
+  json j = json::parse(text, nullptr, false);
+  if (!j.is_object()) throw UnsoundData("a message is not a JSON object");
+  return j;
+}
+
+}  // namespace
+
+std::string encode_order(const Order& order) {
+  if (const auto* dismissed = std::get_if<Dismissed>(&order)) {
+    return json{{"type", "dismiss"}, {"code", static_cast<int>(dismissed->code)}}.dump();
+  }
+  return encode(std::get<Assignment>(order)).dump();
+}
+
+Order decode_order(const std::string& text) {
+  try {
+    return decode(parse(text));
+  } catch (const json::exception& e) {
+    throw UnsoundData(std::string("malformed message: ") + e.what());
+  }
+}
+
+std::string encode_report(const Event& event) {
+  // A message may quote a file name that is no UTF-8.
+  return std::visit([](const auto& e) { return encode(e); }, event)
+      .dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Event decode_report(const std::string& text) {
+  try {
+    return decode_event(parse(text));
+  } catch (const json::exception& e) {
+    throw UnsoundData(std::string("malformed message: ") + e.what());
+  }
+}
+
+}  // namespace prt

@@ -1,0 +1,31 @@
+// The wire format: JSON text, one object per message. Text because it is read in traces and tests,
+// and because a message carries at most a few hundred hashes.
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "jobs/protocol.h"
+
+namespace prt {
+
+/// What a coordinator sends to a worker.
+struct Dismissed {
+  ExitCode code = ExitCode::kDone;
+};
+using Order = std::variant<Assignment, Dismissed>;
+
+std::string encode_order(const Order& order);
+/// Throws UnsoundData for anything that is not a message of ours.
+Order decode_order(const std::string& text);
+
+/// Events that a worker sends to its coordinator: WorkerJoined, TaskDone, TaskFailed, InputUnsound,
+/// Heartbeat, and StopRequested (the worker was told to stop by a signal).
+std::string encode_report(const Event& event);
+Event decode_report(const std::string& text);
+
+/// A task as JSON, and back: what the wire and the tests use.
+nlohmann::json to_json(const TaskSpec& task);
+TaskSpec task_from_json(const nlohmann::json& json);
+
+}  // namespace prt

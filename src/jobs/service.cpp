@@ -1,0 +1,147 @@
+#include "jobs/service.h"
+
+#include <chrono>
+#include <deque>
+
+namespace prt {
+
+namespace {
+
+/// Latency of a message against the share of a core that polling costs (1 ms: 2.6 %).
+constexpr std::chrono::microseconds kPollInterval{1000};
+/// Alone there is nothing to poll but the stop flag.
+constexpr std::chrono::microseconds kAloneInterval{20000};
+constexpr WorkerId kCoordinatorRank = 0;
+
+double monotonic_seconds() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration<double>(now).count();
+}
+
+bool stop_wanted(const ServiceSettings& settings) {
+  return settings.stop != nullptr && settings.stop->load();
+}
+
+void wait_for_news(const Link& link, Slots& slots) {
+  slots.wait(link.size() > 1 ? kPollInterval : kAloneInterval);
+}
+
+/// Rank 0's loop: a coordinator, and a worker that it talks to without messages.
+class CoordinatorLoop {
+ public:
+  CoordinatorLoop(Coordinator& coordinator, BakeHost& host, Link& link, Slots& slots)
+      : coordinator_(coordinator),
+        host_(host),
+        link_(link),
+        slots_(slots),
+        worker_(kCoordinatorRank, slots.count()) {}
+
+  LoopEnd run(const ServiceSettings& settings) {
+    events_.emplace_back(worker_.join());
+    events_.push_back(host_.plan_on(coordinator_));
+    while (!end_) {
+      const double now = monotonic_seconds();
+      if (stop_wanted(settings)) return {ExitCode::kInterrupted, ""};
+      events_.emplace_back(Heartbeat{kCoordinatorRank});
+      events_.emplace_back(Tick{now});
+      gather();
+      while (!events_.empty() && !end_) {
+        const Event event = std::move(events_.front());
+        events_.pop_front();
+        if (const auto* stop = std::get_if<StopRequested>(&event)) return {stop->code, ""};
+        for (const Command& command : coordinator_.handle(event)) obey(command);
+      }
+      host_.tick(coordinator_, now);
+      if (!end_) wait_for_news(link_, slots_);
+    }
+    return *end_;
+  }
+
+ private:
+  void gather() {
+    for (const SlotFinished& finished : slots_.take_finished()) act(worker_.handle(finished));
+    while (const auto message = link_.poll()) events_.push_back(decode_report(message->text));
+  }
+
+  void act(const std::vector<WorkerAction>& actions) {
+    for (const WorkerAction& action : actions) {
+      if (const auto* start = std::get_if<Start>(&action)) {
+        slots_.start(start->slot, start->assignment);
+      } else if (const auto* report = std::get_if<Report>(&action)) {
+        events_.push_back(report->event);
+      }
+    }
+  }
+
+  void obey(const Command& command) {
+    if (const auto* assign = std::get_if<Assign>(&command)) {
+      if (assign->worker == kCoordinatorRank) {
+        act(worker_.handle(Order{assign->assignment}));
+      } else {
+        link_.send(assign->worker, encode_order(assign->assignment));
+      }
+    } else if (const auto* record = std::get_if<Record>(&command)) {
+      host_.record(*record);
+    } else if (std::holds_alternative<StageDone>(command)) {
+      events_.push_back(host_.plan_on(coordinator_));
+    } else if (std::holds_alternative<AllDone>(command)) {
+      end_ = LoopEnd{};
+    } else if (const auto* fail = std::get_if<Fail>(&command)) {
+      end_ = LoopEnd{fail->user_error ? ExitCode::kBadInput : ExitCode::kFailure, fail->message};
+    }
+  }
+
+  Coordinator& coordinator_;
+  BakeHost& host_;
+  Link& link_;
+  Slots& slots_;
+  Worker worker_;
+  std::deque<Event> events_;
+  std::optional<LoopEnd> end_;
+};
+
+}  // namespace
+
+LoopEnd run_coordinator(Coordinator& coordinator, BakeHost& host, Link& link, Slots& slots,
+                        const ServiceSettings& settings) {
+  return CoordinatorLoop(coordinator, host, link, slots).run(settings);
+}
+
+void dismiss_all(Coordinator& coordinator, Link& link, ExitCode code) {
+  for (const Command& command : coordinator.handle(StopRequested{code})) {
+    const auto* dismiss = std::get_if<Dismiss>(&command);
+    if (dismiss != nullptr && dismiss->worker != kCoordinatorRank) {
+      link.send(dismiss->worker, encode_order(Dismissed{dismiss->code}));
+    }
+  }
+}
+
+ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings) {
+  Worker worker(link.rank(), slots.count(), settings.heartbeat_seconds);
+  std::optional<ExitCode> end;
+  const auto act = [&](const std::vector<WorkerAction>& actions) {
+    for (const WorkerAction& action : actions) {
+      if (const auto* start = std::get_if<Start>(&action)) {
+        slots.start(start->slot, start->assignment);
+      } else if (const auto* report = std::get_if<Report>(&action)) {
+        link.send(kCoordinatorRank, encode_report(report->event));
+      } else {
+        end = std::get<Leave>(action).code;
+      }
+    }
+  };
+  link.send(kCoordinatorRank, encode_report(worker.join()));
+  while (!end) {
+    if (stop_wanted(settings)) {
+      link.send(kCoordinatorRank, encode_report(StopRequested{}));
+      return ExitCode::kInterrupted;
+    }
+    for (const SlotFinished& finished : slots.take_finished()) act(worker.handle(finished));
+    while (const auto message = link.poll()) act(worker.handle(decode_order(message->text)));
+    act(worker.handle(Tick{monotonic_seconds()}));
+    if (!end) wait_for_news(link, slots);
+  }
+  return *end;
+}
+
+}  // namespace prt
