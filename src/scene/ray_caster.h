@@ -24,8 +24,8 @@ class RayCaster {
   /// blocked[i] = 1 if anything lies in (t_near, t_far) of ray i.
   virtual void occluded(std::span<const Ray> rays, std::span<std::uint8_t> blocked) const = 0;
 
-  /// Distance from p to the nearest surface, m, or `limit` if none is nearer. Alpha-masked triangles
-  /// count whole.
+  /// Distance from p to the nearest surface, m, or `limit` if none is nearer. Alpha-masked
+  /// triangles count whole.
   [[nodiscard]] virtual float closest_distance(const Vec3f& p, float limit) const = 0;
 
   /// True if nothing lies between two points, each taken off its surface by the caller.

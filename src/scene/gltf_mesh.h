@@ -1,0 +1,45 @@
+// Meshes of a glTF file as world-space triangles. Internal to scene/.
+#pragma once
+
+#include <vector>
+
+#include "scene/gltf_document.h"
+#include "scene/gltf_material.h"
+#include "scene/gltf_nodes.h"
+#include "scene/scene.h"
+
+namespace prt::gltf {
+
+/// Appends the mesh of a node to a scene, primitive by primitive; every triangle primitive becomes
+/// one surface. Keeps the counts of scene.repairs.
+class MeshLoader {
+ public:
+  MeshLoader(const Document& document, const std::vector<TextureCoordinates>& coordinates,
+             Scene& scene)
+      : document_(document), coordinates_(coordinates), scene_(scene) {}
+
+  void add(const WorldNode& node, const Value& mesh);
+  /// Notes on what was ignored, one line each.
+  void add_notes();
+
+ private:
+  struct Primitive;
+  void add_primitive(const WorldNode& node, const Value& json, std::uint64_t mode);
+  void keep_sound_triangles(Primitive& primitive);
+  void emit_shared(const Primitive& primitive, const WorldNode& node);
+  void emit_flat(const Primitive& primitive);
+  std::uint32_t default_material();
+  Vec2f texture_coordinate(const Primitive& primitive, std::uint32_t vertex);
+
+  const Document& document_;
+  const std::vector<TextureCoordinates>& coordinates_;
+  Scene& scene_;
+  std::uint32_t default_material_ = kNone;
+  std::uint32_t surfaces_ = 0;
+  std::uint64_t skinned_ = 0;
+  std::uint64_t morphed_ = 0;
+  std::uint64_t coloured_ = 0;
+  std::uint64_t bad_coordinates_ = 0;
+};
+
+}  // namespace prt::gltf

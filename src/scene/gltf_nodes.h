@@ -1,0 +1,24 @@
+// The node tree of a glTF file, flattened. Internal to scene/.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "scene/gltf_document.h"
+
+namespace prt::gltf {
+
+struct WorldNode {
+  Value json;
+  Eigen::Matrix4d to_world;  ///< affine
+
+  [[nodiscard]] Eigen::Matrix3d linear() const { return to_world.topLeftCorner<3, 3>(); }
+  /// True if the transform is not invertible or not finite: it flattens geometry.
+  [[nodiscard]] bool singular() const;
+};
+
+/// The nodes of the default scene (else the first, else all roots), each after its parent, children
+/// in the file's order. Throws UserError on cycles, nodes with two parents, and bad indices.
+std::vector<WorldNode> world_nodes(const Document& document);
+
+}  // namespace prt::gltf

@@ -1,0 +1,48 @@
+#include "scene/load.h"
+
+#include "scene/gltf_document.h"
+#include "scene/gltf_lights.h"
+#include "scene/gltf_material.h"
+#include "scene/gltf_mesh.h"
+#include "scene/gltf_nodes.h"
+#include "scene/scene_hash.h"
+
+namespace prt {
+namespace {
+
+void set_bounds(Scene& scene) {
+  scene.bounds_min = scene.bounds_max = scene.positions.front();
+  for (const Vec3f& position : scene.positions) {
+    scene.bounds_min = scene.bounds_min.cwiseMin(position);
+    scene.bounds_max = scene.bounds_max.cwiseMax(position);
+  }
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& file) {
+  const gltf::Document document(file);
+  const gltf::Value root = document.root();
+  Scene scene;
+  const auto coordinates = gltf::load_materials(document, scene);
+  const std::vector<gltf::WorldNode> nodes = gltf::world_nodes(document);
+  gltf::MeshLoader meshes(document, coordinates, scene);
+  for (const gltf::WorldNode& node : nodes) {
+    const auto mesh = node.json.find("mesh");
+    if (!mesh) continue;
+    const std::uint32_t index = mesh->index(root.count_of("meshes"), "meshes");
+    if (node.singular()) {
+      ++scene.repairs.singular_transforms;
+    } else {
+      meshes.add(node, root.element("meshes", index));
+    }
+  }
+  meshes.add_notes();
+  gltf::load_lights_and_camera(document, nodes, scene);
+  if (scene.triangles.empty()) gltf::fail(document.name(), "no triangle is left to bake");
+  set_bounds(scene);
+  hash_scene(scene);
+  return scene;
+}
+
+}  // namespace prt
