@@ -256,7 +256,7 @@ def gallery():
     building(glb, paint)
     furniture(glb, paint)
     sculptures(glb, paint)
-    glb.camera("camera", (-4.35, 1.6, 1.35), (1.5, 1.15, 0.2), math.radians(58), 4 / 3)
-    glb.point_light("hall lamp", (-0.4, 2.2, 0.9), (9.0, 8.2, 7.0))
+    glb.camera("camera", (-3.4, 1.7, 2.2), (0.6, 1.1, -1.35), math.radians(62), 4 / 3)
+    glb.point_light("hall lamp", (-1.2, 2.0, 0.6), (9.0, 8.2, 7.0))
     glb.point_light("blue alcove lamp", (1.6, 1.7, -2.3), (3.0, 2.8, 2.4))
     return glb
