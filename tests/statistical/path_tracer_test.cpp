@@ -181,6 +181,29 @@ TEST(PathTracer, PointLightOverPlaneIsExact) {
             Vec3f::Zero().eval());
 }
 
+TEST(PathTracer, SurfacesHideTheLight) {
+  Scene scene;
+  const auto grey = test::add_material(scene, Vec3f::Constant(0.5F));
+  test::add_box(scene, Vec3f(-2, 0, -2), Vec3f(2, 4, 2), grey);
+  test::add_box(scene, Vec3f(-1, 2, -1), Vec3f(1, 3, 1), grey);
+  test::finish(scene);
+  const auto caster = make_embree_ray_caster(scene);
+  // A light inside the closed inner box lights nothing outside, one outside lights nothing inside.
+  const ReceiverPoint floor{Vec3f(0.3F, 0, 0.1F), Vec3f::UnitY()};
+  const ReceiverPoint inside{Vec3f(0.3F, 2, 0.1F), Vec3f::UnitY()};
+  for (const bool light_inside : {true, false}) {
+    const Light light = white_point(light_inside ? Vec3f(0, 2.5F, 0) : Vec3f(0, 1, 0));
+    const ReceiverPoint points[] = {floor, inside};
+    const auto e = trace_irradiance(scene, *caster, {&light, 1}, points, {.paths = 256}, kSeed);
+    const auto& dark = e[light_inside ? 0 : 1];
+    const auto& lit = e[light_inside ? 1 : 0];
+    EXPECT_EQ(dark.mean_direct(), Vec3f::Zero().eval());
+    EXPECT_EQ(dark.mean_indirect(), Vec3f::Zero().eval());
+    EXPECT_GT(lit.mean_direct()[0], 0.0F);
+    EXPECT_GT(lit.mean_indirect()[0], 0.0F);
+  }
+}
+
 /// Form factor from a point to a parallel rectangle of full sides w, l, centred at distance h
 /// (Howell, catalogue of view factors, B-3, four quarters).
 double parallel_rectangle(double w, double l, double h) {
