@@ -1,0 +1,52 @@
+#include "store/index.h"
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "store/bake_folder.h"
+#include "store/hdf5_handle.h"
+
+namespace prt {
+
+namespace {
+
+std::string link_name(const IndexEntry& entry) {
+  const std::string prefix = entry.kind + "/";
+  std::string name = entry.task;
+  if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  std::replace(name.begin(), name.end(), '/', '.');
+  return name;
+}
+
+}  // namespace
+
+std::string index_path(const IndexEntry& entry) {
+  return "/" + entry.kind + "/" + link_name(entry);
+}
+
+void write_index(FileSystem& fs, const FileSystem::Path& bake_dir,
+                 std::span<const IndexEntry> entries) {
+  std::map<std::string, std::map<std::string, std::string>> file_of_link_of_stage;
+  for (const IndexEntry& entry : entries) {
+    file_of_link_of_stage[entry.kind][link_name(entry)] =
+        "artifacts/" + entry.kind + "/" + entry.key.hex() + ".h5";
+  }
+  std::vector<std::byte> bytes;
+  {
+    const hdf5::Session session;
+    const hdf5::Handle file = hdf5::create_in_memory(1 << 20);
+    for (const auto& [stage, file_of_link] : file_of_link_of_stage) {
+      const hdf5::Handle group = hdf5::require_group(file.id(), stage);
+      for (const auto& [link, target] : file_of_link) {
+        hdf5::check(H5Lcreate_external(target.c_str(), "/", group.id(), link.c_str(), H5P_DEFAULT,
+                                       H5P_DEFAULT),
+                    "linking an artifact");
+      }
+    }
+    hdf5::append_image(file, bytes, 0);
+  }
+  replace_file(fs, bake_dir / kIndexName, bytes);
+}
+
+}  // namespace prt

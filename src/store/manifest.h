@@ -1,0 +1,76 @@
+// The log of a bake: append-only, one checksummed text line per finished task, so that a resume
+// knows what is done without opening an artifact.
+//
+// A line is "CHECKSUM JSON\n", CHECKSUM the XXH3-128 of the JSON text in hexadecimal. The first
+// line is a header with the schema version and the identity of the bake. A line that is torn or
+// damaged is skipped: the artifact it told of is found again by its KEY.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/hash.h"
+#include "store/file_system.h"
+
+namespace prt {
+
+inline constexpr int kManifestSchemaVersion = 1;
+inline constexpr const char* kManifestName = "manifest.log";
+
+/// A finished task.
+struct ManifestEntry {
+  std::string task;      ///< task id
+  std::string kind;      ///< also the stage
+  Digest key;            ///< KEY of design §4
+  Digest content;        ///< content hash of the artifact
+  double seconds = 0.0;  ///< wall time of the task
+  double cpu_seconds = 0.0;
+  std::uint64_t bytes = 0;    ///< of the artifact's file
+  int rank = 0;               ///< that ran it
+  std::int64_t finished = 0;  ///< Unix time, s
+  friend bool operator==(const ManifestEntry&, const ManifestEntry&) = default;
+};
+
+struct ManifestContents {
+  bool exists = false;                 ///< there is a file
+  bool has_header = false;             ///< with a sound header
+  std::string identity;                ///< of the bake; empty without a header
+  std::vector<ManifestEntry> entries;  ///< one per task: the last; in the order of first lines
+  std::size_t damaged_lines = 0;
+};
+
+/// Reads a manifest; damaged lines are counted and warned of, never fatal. Throws UserError for a
+/// schema version newer than ours.
+ManifestContents read_manifest(FileSystem& fs, const FileSystem::Path& path);
+
+/// Makes a manifest of a header and entries, replacing what is there.
+void create_manifest(FileSystem& fs, const FileSystem::Path& path, const std::string& identity,
+                     const std::vector<ManifestEntry>& entries = {});
+
+/// Appends lines; only the coordinator does. Not thread-safe.
+class ManifestWriter {
+ public:
+  /// Opens for appending; starts a new line if the last one is torn.
+  ManifestWriter(FileSystem& fs, const FileSystem::Path& path);
+  /// Syncs what is left, and keeps quiet about failures: call sync() to hear of them.
+  ~ManifestWriter();
+  ManifestWriter(const ManifestWriter&) = delete;
+  ManifestWriter& operator=(const ManifestWriter&) = delete;
+
+  /// Writes the line at once; it is on the disk after the next sync. `now`: any monotonic clock, s.
+  void append(const ManifestEntry& entry, double now);
+  /// Syncs if lines have waited kSyncInterval or longer. Call it whenever idle.
+  void sync_if_due(double now);
+  void sync();
+
+  static constexpr double kSyncInterval = 0.5;  ///< s
+
+ private:
+  std::unique_ptr<WritableFile> file_;
+  bool unsynced_ = false;
+  double oldest_unsynced_ = 0.0;
+};
+
+}  // namespace prt
