@@ -24,6 +24,9 @@ struct DepthBlock {
   QuantisedMatrix coefficients;  ///< n_c × k
 };
 
+/// More directions than this are taken for a damaged file.
+inline constexpr int kMaxDirections = 65536;
+
 /// Depth-buffer visibility for all samples.
 struct DepthVisibility {
   int directions = 0;  ///< d, see HemisphereDirections

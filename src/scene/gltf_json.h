@@ -20,6 +20,9 @@ class Value {
   Value(const nlohmann::json& json, const std::string& file, std::string path)
       : json_(&json), file_(&file), path_(std::move(path)) {}
 
+  /// The value as it is, for data that is only handed on.
+  [[nodiscard]] const nlohmann::json& json() const { return *json_; }
+
   /// UserError that names this value.
   [[noreturn]] void fail(std::string_view what) const;
 

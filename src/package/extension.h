@@ -1,0 +1,21 @@
+// Names and numbers of the root extension, shared by writer and reader. Described in FORMAT.md.
+// Internal to package/.
+#pragma once
+
+#include <cstdint>
+
+namespace prt {
+
+inline constexpr const char* kExtension = "PRT_light_transfer";
+/// Raised whenever an older reader would misunderstand the file.
+inline constexpr std::uint64_t kFormatVersion = 1;
+
+inline constexpr const char* kSampleIrradiance = "sample_irradiance";
+inline constexpr const char* kClusterCoefficients = "cluster_coefficients";
+inline constexpr const char* kClusterProjection = "cluster_projection";
+inline constexpr const char* kClusterTransfer = "cluster_transfer";
+
+/// Unit vectors are stored as normalised SHORT.
+inline constexpr float kUnitScale = 32767.0F;
+
+}  // namespace prt

@@ -1,0 +1,201 @@
+#include "package/read.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include "base/error.h"
+#include "package/extension.h"
+#include "package/matrix_list.h"
+#include "scene/load.h"
+
+namespace prt {
+namespace {
+
+using gltf::Document;
+using gltf::Value;
+
+std::vector<Vec3f> read_points(const Document& document, const Value& accessor) {
+  const std::vector<float> xyz = read_array<float>(document, accessor, 3);
+  std::vector<Vec3f> points;
+  points.reserve(xyz.size() / 3);
+  for (std::size_t i = 0; i < xyz.size(); i += 3)
+    points.emplace_back(xyz[i], xyz[i + 1], xyz[i + 2]);
+  return points;
+}
+
+std::vector<Vec3f> read_unit_vectors(const Document& document, const Value& accessor) {
+  const std::vector<std::int16_t> xyz = read_array<std::int16_t>(document, accessor, 3);
+  std::vector<Vec3f> vectors;
+  vectors.reserve(xyz.size() / 3);
+  for (std::size_t i = 0; i < xyz.size(); i += 3) {
+    const Vec3f v = Vec3f(xyz[i], xyz[i + 1], xyz[i + 2]) / kUnitScale;
+    // Rounding is undone; a vector far from unit is left for validate() to find.
+    vectors.push_back(std::abs(v.norm() - 1.0F) < 1e-3F ? Vec3f(v.normalized()) : v);
+  }
+  return vectors;
+}
+
+/// Rounded tangents are made orthogonal to their normals again.
+void straighten_tangents(SampleSet& samples) {
+  const std::size_t count = std::min(samples.normals.size(), samples.tangents.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f& n = samples.normals[i];
+    Vec3f& t = samples.tangents[i];
+    const float slope = n.dot(t);
+    if (std::abs(slope) < 1e-3F) t = (t - slope * n).normalized();
+  }
+}
+
+SampleSet read_samples(const Document& document, const Value& json) {
+  SampleSet samples;
+  samples.positions = read_points(document, json["positions"]);
+  samples.normals = read_unit_vectors(document, json["normals"]);
+  samples.tangents = read_unit_vectors(document, json["tangents"]);
+  samples.areas = read_array<float>(document, json["areas"]);
+  samples.radii = read_array<float>(document, json["radii"]);
+  samples.triangles = read_array<std::uint32_t>(document, json["triangles"]);
+  samples.cluster_begin = read_array<std::uint32_t>(document, json["cluster_begin"]);
+  if (json["count"].whole() != samples.size())
+    json["count"].fail("there are not that many positions");
+  straighten_tangents(samples);
+  return samples;
+}
+
+DepthVisibility read_visibility(const Document& document, const Value& json) {
+  DepthVisibility visibility;
+  visibility.directions =
+      static_cast<int>(json["directions"].index(kMaxDirections + 1, "directions"));
+  visibility.bound = static_cast<float>(json["bound"].number());
+  visibility.bias = static_cast<float>(json["bias"].number());
+  std::vector<QuantisedMatrix> means = read_matrices(document, json["means"]);
+  std::vector<QuantisedMatrix> bases = read_matrices(document, json["bases"]);
+  std::vector<QuantisedMatrix> coefficients = read_matrices(document, json["coefficients"]);
+  if (bases.size() != means.size() || coefficients.size() != means.size()) {
+    json.fail("its lists of matrices differ in length");
+  }
+  for (std::size_t c = 0; c < means.size(); ++c) {
+    visibility.clusters.push_back(
+        {std::move(means[c]), std::move(bases[c]), std::move(coefficients[c])});
+  }
+  return visibility;
+}
+
+ClusterTransfer read_transfer(const Document& document, const Value& json) {
+  ClusterTransfer transfer;
+  transfer.channels = json["channels"].index(4, "channels");
+  std::vector<QuantisedMatrix> left = read_matrices(document, json["left"]);
+  std::vector<QuantisedMatrix> right = read_matrices(document, json["right"]);
+  const std::vector<Value> counts = json.list("sender_counts");
+  if (right.size() != left.size() || counts.size() != left.size()) {
+    json.fail("its lists differ in length");
+  }
+  std::vector<std::uint32_t> senders;
+  if (const auto accessor = json.find("senders")) {
+    senders = read_array<std::uint32_t>(document, *accessor);
+  }
+  std::size_t used = 0;
+  for (std::size_t r = 0; r < left.size(); ++r) {
+    const std::uint64_t count = counts[r].whole();
+    if (count > senders.size() - used) counts[r].fail("there are not that many senders");
+    const auto begin = senders.begin() + static_cast<std::ptrdiff_t>(used);
+    transfer.receivers.push_back({{begin, begin + static_cast<std::ptrdiff_t>(count)},
+                                  std::move(left[r]),
+                                  std::move(right[r])});
+    used += count;
+  }
+  if (used != senders.size()) json["sender_counts"].fail("there are more senders than that");
+  return transfer;
+}
+
+PackageOperator read_operator(const Document& document, const Value& json) {
+  const std::string type = json["type"].text();
+  if (type == kClusterProjection) {
+    return ClusterProjection{read_matrices(document, json["blocks"])};
+  }
+  if (type == kClusterTransfer) return read_transfer(document, json);
+  json["type"].fail(fmt::format("'{}' is not a known operator; use a newer prt_play", type));
+}
+
+std::vector<Space> read_spaces(const Value& extension) {
+  std::vector<Space> spaces;
+  for (const Value& json : extension.list("spaces")) {
+    const std::string kind = json["kind"].text();
+    if (kind != kSampleIrradiance && kind != kClusterCoefficients) {
+      json["kind"].fail(fmt::format("'{}' is not a known kind of space", kind));
+    }
+    spaces.push_back({json["name"].text(),
+                      kind == kSampleIrradiance ? Space::Kind::kSampleIrradiance
+                                                : Space::Kind::kClusterCoefficients,
+                      json["dimension"].index(kNone, "dimensions")});
+  }
+  return spaces;
+}
+
+ProgramStep read_step(const Value& json) {
+  const std::string step = json["step"].text();
+  if (step == "direct_light") {
+    const std::string shadow = json["shadow"].text();
+    if (shadow != "depth" && shadow != "none") json["shadow"].fail("should be 'depth' or 'none'");
+    return DirectLightStep{json["output"].text(), shadow == "depth"
+                                                      ? DirectLightStep::Shadow::kDepth
+                                                      : DirectLightStep::Shadow::kNone};
+  }
+  if (step == "apply") {
+    return ApplyStep{json["operator"].text(), json["input"].text(), json["output"].text()};
+  }
+  if (step == "add") return AddStep{json["a"].text(), json["b"].text(), json["output"].text()};
+  if (step == "reconstruct") {
+    if (json["kernel"].text() != "splats") json["kernel"].fail("should be 'splats'");
+    return ReconstructStep{json["input"].text()};
+  }
+  json["step"].fail(fmt::format("'{}' is not a known step; use a newer prt_play", step));
+}
+
+Value find_extension(const Document& document) {
+  const auto extensions = document.root().find("extensions");
+  const auto extension = extensions ? extensions->find(kExtension) : std::nullopt;
+  if (!extension) {
+    throw UserError(
+        fmt::format("{}: it is glTF, but no package: it has no {}; give the .prt.glb "
+                    "that prt_bake wrote",
+                    document.name(), kExtension));
+  }
+  const std::uint64_t version = (*extension)["version"].whole();
+  if (version != kFormatVersion) {
+    throw UserError(
+        fmt::format("{}: its {} has version {}, this program reads version {}; {}", document.name(),
+                    kExtension, version, kFormatVersion,
+                    version > kFormatVersion ? "use a newer program" : "bake it again"));
+  }
+  return *extension;
+}
+
+}  // namespace
+
+Package read_package(const std::filesystem::path& file) {
+  Package package;
+  const Document document(file);
+  const Value extension = find_extension(document);
+  package.scene = load_scene(file);
+  if (extension["triangles"].whole() != package.scene.triangles.size()) {
+    extension["triangles"].fail(fmt::format("{} triangles were read; the geometry was changed",
+                                            package.scene.triangles.size()));
+  }
+  package.samples = read_samples(document, extension["samples"]);
+  if (const auto visibility = extension.find("visibility")) {
+    package.visibility = read_visibility(document, *visibility);
+  }
+  package.spaces = read_spaces(extension);
+  const Value operators = extension["operators"];
+  for (const std::string& name : operators.keys()) {
+    package.operators.emplace(name, read_operator(document, operators[name.c_str()]));
+  }
+  for (const Value& step : extension.list("program")) package.program.push_back(read_step(step));
+  package.provenance = extension["provenance"].json();
+  package.error = extension["error"].json();
+  validate(package, file.string());
+  return package;
+}
+
+}  // namespace prt
