@@ -40,6 +40,8 @@ if(PRT_SANITIZE)
   if(PRT_SANITIZE MATCHES "undefined")
     target_compile_options(prt_flags INTERFACE -fno-sanitize-recover=undefined)
   endif()
+  # Programs, not libraries, carry what the sanitizers are to overlook.
+  target_sources(prt_flags INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${CMAKE_SOURCE_DIR}/cmake/sanitizer_defaults.cpp>)
 endif()
 # Assertions guard invariants in every build type; Eigen's own per-element checks would cost too much.
 string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")

@@ -1,0 +1,32 @@
+// Linked into every program of a sanitizer build: what Open MPI and TBB do themselves is not our
+// report. It is built in, so that it holds however a program is started.
+
+/// Libraries stay mapped until the end: a leak's stack in an unloaded plug-in could not be named.
+extern "C" int dlclose(void* /*handle*/) { return 0; }
+
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libopen-pal\n"
+         "leak:libopen-rte\n"
+         "leak:libmpi\n"
+         "leak:libpmix\n"
+         "leak:libhwloc\n"
+         "leak:libevent\n"
+         "leak:libpsm_infinipath\n"
+         "leak:libpsm2\n"
+         "leak:libfabric\n"
+         "leak:libucp\n"
+         "leak:libtbb\n"
+         "leak:mca_\n";
+}
+
+// TBB synchronises by means that the thread sanitizer does not see.
+extern "C" const char* __tsan_default_suppressions() {
+  return "race_top:tbb::\n"
+         "race_top:start_for\n"
+         "race_top:std::__atomic_base\n"
+         "race_top:oneapi/tbb\n"
+         "called_from_lib:libmpi\n"
+         "called_from_lib:libopen-pal\n"
+         "called_from_lib:libopen-rte\n"
+         "called_from_lib:libpmix\n";
+}
