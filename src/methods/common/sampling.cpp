@@ -1,0 +1,344 @@
+#include "methods/common/sampling.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/random.h"
+#include "domains/clusters.h"
+#include "domains/thinning.h"
+#include "methods/common/inputs.h"
+#include "store/samples_io.h"
+#include "transport/cells.h"
+#include "transport/particles.h"
+
+namespace prt {
+
+namespace {
+
+// Candidates per wanted sample: more closes the gaps of the Poisson-disk set, fewer saves rays.
+constexpr double kCandidatesPerSample = 24.0;
+constexpr std::size_t kCandidatesPerTask = 100000;
+constexpr std::size_t kRaysPerCandidate = 40;  // budget where most particles escape
+constexpr std::uint64_t kParticlesPerTask = std::uint64_t{1} << 40;
+// Points per sample cell: cell areas come out to about 5 %, cluster areas to 0.2 %.
+constexpr double kPointsPerCell = 64.0;
+constexpr std::uint64_t kPointsPerTask = 400000;
+constexpr std::uint64_t kMostPoints = 60'000'000;
+// A maximal Poisson-disk set of radius r has about this many samples per r².
+constexpr double kSamplesPerSquareRadius = 0.8;
+
+TaskSpec task(const std::string& id, const std::string& kind, int version) {
+  TaskSpec spec;
+  spec.id = id;
+  spec.kind = kind;
+  spec.version = version;
+  return spec;
+}
+
+/// Samples wanted; with a spacing, as many as the whole surface (both sides) could hold at most.
+std::size_t wanted_samples(const PlanInputs& inputs) {
+  if (!inputs.options().is_set("samples.spacing")) {
+    return inputs.options().get<std::size_t>("samples.count");
+  }
+  const double spacing = inputs.options().get<double>("samples.spacing");
+  double area = 0.0;
+  for (std::uint32_t t = 0; t < inputs.scene().triangles.size(); ++t) {
+    area += triangle_area(inputs.scene(), t);
+  }
+  return static_cast<std::size_t>(
+      std::clamp(kSamplesPerSquareRadius * 2.0 * area / (spacing * spacing), 1.0, 2e7));
+}
+
+TaskSpec start_task(const PlanInputs& inputs) {
+  TaskSpec spec = task("start", "start", 1);
+  spec.scene_parts = kGeometry;
+  spec.cost = 0.2;
+  const auto& options = inputs.options();
+  spec.parameters["seed"] = options.get<std::uint64_t>("seed");
+  if (!options.is_auto("samples.start")) {
+    spec.parameters["start"] = options.at("samples.start");
+  } else if (inputs.scene().camera) {
+    const Vec3f& eye = inputs.scene().camera->eye;
+    spec.parameters["start"] = {eye.x(), eye.y(), eye.z()};
+  }
+  return spec;
+}
+
+std::vector<TaskSpec> candidate_tasks(const PlanInputs& inputs) {
+  const auto wanted =
+      static_cast<std::size_t>(kCandidatesPerSample * static_cast<double>(std::max<std::size_t>(
+                                                          100, wanted_samples(inputs))));
+  const std::size_t tasks = (wanted + kCandidatesPerTask - 1) / kCandidatesPerTask;
+  std::vector<TaskSpec> result;
+  for (std::size_t i = 0; i < tasks; ++i) {
+    TaskSpec spec = task(numbered("candidates", i), "candidates", 1);
+    spec.inputs = {"start"};
+    spec.scene_parts = kGeometry;
+    spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},
+                       {"wanted", (wanted + tasks - 1) / tasks},
+                       {"part", i}};
+    spec.cost = 0.3;
+    result.push_back(spec);
+  }
+  return result;
+}
+
+TaskSpec points_task(const PlanInputs& inputs, const std::vector<TaskSpec>& candidates) {
+  TaskSpec spec = task("points", "points", 1);
+  for (const auto& c : candidates) spec.inputs.push_back(c.id);
+  spec.scene_parts = kGeometry;
+  const auto& options = inputs.options();
+  spec.parameters = {{"seed", options.get<std::uint64_t>("seed")},
+                     {"cluster_size", options.get<std::size_t>("samples.cluster_size")}};
+  if (options.is_set("samples.spacing")) {
+    spec.parameters["spacing"] = options.get<double>("samples.spacing");
+  } else {
+    spec.parameters["count"] = options.get<std::size_t>("samples.count");
+  }
+  return spec;
+}
+
+std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
+  const double area = cumulative_areas(inputs.scene()).back();
+  const double per_point = spacing * spacing / kSamplesPerSquareRadius / kPointsPerCell;
+  const auto total = static_cast<std::uint64_t>(
+      std::clamp(area / per_point, 1000.0, static_cast<double>(kMostPoints)));
+  std::vector<TaskSpec> result;
+  for (std::uint64_t first = 0; first < total; first += kPointsPerTask) {
+    TaskSpec spec = task(numbered("cells", result.size()), "cells", 1);
+    spec.inputs = {"points"};
+    spec.scene_parts = kGeometry;
+    spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},
+                       {"total", total},
+                       {"first", first},
+                       {"count", std::min(kPointsPerTask, total - first)}};
+    spec.cost = 0.4;
+    result.push_back(spec);
+  }
+  return result;
+}
+
+Artifact run_start(const TaskSpec& task, const TaskReader& reader) {
+  std::array<float, 3> start{};
+  if (task.parameters.contains("start")) {
+    start = task.parameters["start"].get<std::array<float, 3>>();
+  } else {
+    const Vec3f found =
+        find_start(reader.scene(), reader.ray_caster(),
+                   stream_key(task.parameters["seed"].get<std::uint64_t>(), "start"));
+    start = {found.x(), found.y(), found.z()};
+  }
+  Artifact out;
+  out.put<float>("start", start, {1, 3}, "m", "where sampling particles start");
+  return out;
+}
+
+Artifact run_candidates(const TaskSpec& task, const TaskReader& reader) {
+  ParticleSettings settings;
+  settings.start = reader.input(0)->points("start").at(0);
+  settings.wanted = task.parameters["wanted"].get<std::size_t>();
+  settings.ray_budget = kRaysPerCandidate * settings.wanted;
+  settings.stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "candidates");
+  settings.first_particle = task.parameters["part"].get<std::uint64_t>() * kParticlesPerTask;
+  const SurfacePoints points = trace_particles(reader.scene(), reader.ray_caster(), settings);
+  Artifact out;
+  out.put("position", points.positions, "m", "candidate positions");
+  out.put("normal", points.normals, "1", "unit geometric normals on the side hit");
+  out.put<std::uint32_t>("triangle", points.triangles, {points.size()}, "1", "triangle hit");
+  return out;
+}
+
+/// Curvature of a triangle, 1/m: the fastest turn of the shading normal along an edge.
+float triangle_curvature(const Scene& scene, std::uint32_t triangle) {
+  const auto& v = scene.triangles[triangle].vertex;
+  float curvature = 0.0F;
+  for (int k = 0; k < 3; ++k) {
+    const auto a = v[k];
+    const auto b = v[(k + 1) % 3];
+    const float length = (scene.positions[a] - scene.positions[b]).norm();
+    const float turn = (scene.normals[a] - scene.normals[b]).norm();
+    if (length > 0.0F) curvature = std::max(curvature, turn / length);
+  }
+  return curvature;
+}
+
+SurfacePoints all_candidates(const TaskSpec& task, const TaskReader& reader) {
+  SurfacePoints all;
+  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+    const auto part = reader.input(i);
+    all.append({part->points("position"), part->points("normal"),
+                part->vector<std::uint32_t>("triangle")});
+  }
+  return all;
+}
+
+Artifact run_points(const TaskSpec& task, const TaskReader& reader) {
+  const Scene& scene = reader.scene();
+  const SurfacePoints all = all_candidates(task, reader);
+  if (all.size() == 0) {
+    throw UserError(
+        "samples.start: no particle from the start point met a surface; give a start point [x, y, "
+        "z] "
+        "from which the scene is seen");
+  }
+  const std::uint64_t stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "thinning");
+  std::vector<float> curvatures;
+  std::vector<std::uint64_t> priorities;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    curvatures.push_back(triangle_curvature(scene, all.triangles[i]));
+    Random random(stream, i);
+    priorities.push_back(std::uint64_t{random.bits()} << 32 | random.bits());
+  }
+  const Candidates candidates{all.positions, all.normals, curvatures, priorities};
+  ThinnedTo thinned;
+  if (task.parameters.contains("spacing")) {
+    thinned.radius = task.parameters["spacing"].get<float>();
+    thinned.kept = thin(candidates, thinned.radius, kCompatibleCosine);
+  } else {
+    thinned =
+        thin_to_count(candidates, task.parameters["count"].get<std::size_t>(), kCompatibleCosine);
+  }
+  LooseSamples loose;
+  for (const auto i : thinned.kept) {
+    loose.positions.push_back(all.positions[i]);
+    loose.normals.push_back(all.normals[i]);
+    loose.triangles.push_back(all.triangles[i]);
+    loose.radii.push_back(candidate_radius(thinned.radius, curvatures[i]));
+    loose.priorities.push_back(priorities[i]);
+  }
+  const ClusteredSamples clustered =
+      cluster_samples(loose, task.parameters["cluster_size"].get<std::size_t>());
+  Artifact out;
+  put_samples(out, clustered.samples);
+  out.put<std::uint32_t>("root", clustered.roots, {clustered.roots.size()}, "1",
+                         "the sample that is each cluster's root point");
+  out.attributes["samples"] = clustered.samples.size();
+  out.attributes["clusters"] = clustered.samples.clusters();
+  out.attributes["spacing"] = thinned.radius;
+  out.attributes["candidates"] = all.size();
+  return out;
+}
+
+Artifact run_cells(const TaskSpec& task, const TaskReader& reader) {
+  const auto shared = shared_samples(reader, 0);
+  const auto& p = task.parameters;
+  const CellPoints points =
+      draw_cell_points(reader.scene(), reader.ray_caster(), shared->samples, shared->search,
+                       cumulative_areas(reader.scene()), p["total"].get<std::uint64_t>(),
+                       p["first"].get<std::uint64_t>(), p["count"].get<std::uint64_t>(),
+                       stream_key(p["seed"].get<std::uint64_t>(), "cells"));
+  Artifact out;
+  const std::uint64_t n = points.samples.size();
+  out.put<std::uint32_t>("sample", points.samples, {n}, "1", "sample whose cell the point lies in");
+  out.put<std::uint32_t>("triangle", points.triangles, {n}, "1", "triangle of the point");
+  out.put<float>("barycentric", points.barycentric, {n, 2}, "1", "weights of vertices 1 and 2");
+  out.attributes["area_per_point"] =
+      cumulative_areas(reader.scene()).back() / p["total"].get<double>();
+  return out;
+}
+
+Artifact run_samples(const TaskSpec& task, const TaskReader& reader) {
+  const auto points = reader.input(0);
+  SampleSet samples = get_samples(*points);
+  std::vector<std::uint32_t> counts(samples.size(), 0);
+  double per_point = 0.0;
+  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+    const auto part = reader.input(i);
+    per_point = part->attribute<double>("area_per_point");
+    for (const auto s : part->values<std::uint32_t>("sample")) ++counts[s];
+  }
+  // A cell that no point fell into is smaller than the points can tell; it keeps half a point's
+  // area.
+  std::uint64_t empty = 0;
+  for (const auto count : counts) {
+    empty += count == 0 ? 1 : 0;
+    samples.areas.push_back(
+        static_cast<float>(std::max(0.5, static_cast<double>(count)) * per_point));
+  }
+  Artifact out;
+  put_samples(out, samples);
+  out.datasets["root"] = points->at("root");
+  out.attributes = points->attributes;
+  out.attributes["empty_cells"] = empty;
+  double area = 0.0;
+  for (const float a : samples.areas) area += a;
+  out.attributes["area"] = area;
+  return out;
+}
+
+Artifact run_albedo(const TaskSpec& task, const TaskReader& reader) {
+  const Scene& scene = reader.scene();
+  const SampleSet& samples = shared_samples(reader, 0)->samples;
+  MatrixD sums = MatrixD::Zero(static_cast<Eigen::Index>(samples.size()), 4);
+  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+    const auto part = reader.input(i);
+    const auto cell = part->values<std::uint32_t>("sample");
+    const auto triangle = part->values<std::uint32_t>("triangle");
+    const auto barycentric = part->values<float>("barycentric");
+    for (std::size_t k = 0; k < cell.size(); ++k) {
+      const Vec3f a = albedo_at(scene, triangle[k], barycentric[2 * k], barycentric[2 * k + 1]);
+      sums.row(cell[k]) += Eigen::RowVector4d(a.x(), a.y(), a.z(), 1.0);
+    }
+  }
+  MatrixF albedo(sums.rows(), 3);
+  double largest = 0.0;
+  double colour = 0.0;
+  for (Eigen::Index s = 0; s < sums.rows(); ++s) {
+    if (sums(s, 3) > 0.0) {
+      albedo.row(s) = (sums.row(s).head(3) / sums(s, 3)).cast<float>();
+    } else {
+      const Vec3f a = albedo_at(scene, samples.triangles[s], 1.0F / 3, 1.0F / 3);
+      for (int c = 0; c < 3; ++c) albedo(s, c) = a[c];
+    }
+    largest = std::max<double>(largest, albedo.row(s).maxCoeff());
+    colour = std::max<double>(colour, albedo.row(s).maxCoeff() - albedo.row(s).minCoeff());
+  }
+  Artifact out;
+  out.put("albedo", albedo, "1", "mean albedo of the sample's cell, linear RGB");
+  out.attributes["largest"] = largest;
+  out.attributes["colour_spread"] = colour;
+  return out;
+}
+
+}  // namespace
+
+bool plan_sampling(const PlanInputs& inputs, Plan& plan) {
+  plan.tasks.push_back(start_task(inputs));
+  const auto candidates = candidate_tasks(inputs);
+  plan.tasks.insert(plan.tasks.end(), candidates.begin(), candidates.end());
+  plan.tasks.push_back(points_task(inputs, candidates));
+  const auto points = inputs.result("points");
+  if (!points) return false;
+  const auto cells = cell_tasks(inputs, points->attribute<double>("spacing"));
+  plan.tasks.insert(plan.tasks.end(), cells.begin(), cells.end());
+  TaskSpec samples = task(kSamplesTask, "samples", 1);
+  TaskSpec albedo = task(kAlbedoTask, "albedo", 1);
+  samples.inputs = albedo.inputs = {"points"};
+  for (const auto& c : cells) {
+    samples.inputs.push_back(c.id);
+    albedo.inputs.push_back(c.id);
+  }
+  albedo.scene_parts = kGeometry | kMaterials;
+  plan.tasks.push_back(samples);
+  plan.tasks.push_back(albedo);
+  return inputs.result(kSamplesTask) != nullptr;
+}
+
+std::vector<std::string> sampling_kinds() {
+  return {"start", "candidates", "points", "cells", "samples", "albedo"};
+}
+
+Artifact run_sampling(const TaskSpec& task, const TaskReader& reader) {
+  if (task.kind == "start") return run_start(task, reader);
+  if (task.kind == "candidates") return run_candidates(task, reader);
+  if (task.kind == "points") return run_points(task, reader);
+  if (task.kind == "cells") return run_cells(task, reader);
+  if (task.kind == "samples") return run_samples(task, reader);
+  if (task.kind == "albedo") return run_albedo(task, reader);
+  throw std::logic_error("no sampling task: " + task.kind);
+}
+
+}  // namespace prt

@@ -1,0 +1,97 @@
+#include "methods/lb/assemble.h"
+
+#include "methods/common/inputs.h"
+#include "methods/common/sampling.h"
+#include "methods/lb/tasks.h"
+#include "store/quantised_io.h"
+#include "store/samples_io.h"
+
+namespace prt::lb {
+
+namespace {
+
+using Result = std::function<std::shared_ptr<const Artifact>(const std::string&)>;
+
+// Coefficients multiply everything after them: 16 bits cost 2 bytes per function and sample.
+constexpr int kProjectionBits = 16;
+
+DepthVisibility visibility_of(const Result& result, std::size_t clusters,
+                              const OptionValues& options) {
+  DepthVisibility visibility;
+  visibility.directions = options.get<int>("rays.directions");
+  visibility.bias = options.get<float>("lb.distance_bias");
+  for (std::size_t c = 0; c < clusters; ++c) {
+    const auto part = result(numbered("visibility", c));
+    visibility.bound = part->attribute<float>("bound");
+    visibility.clusters.push_back({get_quantised(*part, "mean"), get_quantised(*part, "basis"),
+                                   get_quantised(*part, "coefficients")});
+  }
+  return visibility;
+}
+
+ClusterProjection projection_of(const LightFunctions& light, const SampleSet& samples) {
+  ClusterProjection projection;
+  for (std::size_t c = 0; c < samples.clusters(); ++c) {
+    const MatrixF block =
+        light.projections
+            .block(samples.cluster_begin[c], 0, samples.cluster_size(c), light.functions.of(c))
+            .transpose();
+    projection.blocks.push_back(quantise(block, kProjectionBits).matrix);
+  }
+  return projection;
+}
+
+/// Transfer artifacts of the last round: the highest of "transfer", "transfer-2", ... that there
+/// is.
+std::string transfer_stage(const Result& result, const OptionValues& options) {
+  if (options.get<std::string>("lb.solver") == "photons") return "photon_transfer";
+  std::string stage = "transfer";
+  for (int round = 2; result(numbered("transfer-" + std::to_string(round), 0)); ++round) {
+    stage = "transfer-" + std::to_string(round);
+  }
+  return stage;
+}
+
+ClusterTransfer transfer_of(const Result& result, const std::string& stage, std::size_t clusters) {
+  ClusterTransfer transfer;
+  for (std::size_t c = 0; c < clusters; ++c) {
+    const auto part = result(numbered(stage, c));
+    transfer.channels = part->attribute<std::uint32_t>("channels");
+    transfer.receivers.push_back({part->vector<std::uint32_t>("senders"),
+                                  get_quantised(*part, "left"), get_quantised(*part, "right")});
+  }
+  return transfer;
+}
+
+}  // namespace
+
+Package assemble_package(const Result& result, const OptionValues& options) {
+  Package package;
+  package.samples = get_samples(*result(kSamplesTask));
+  const auto n = static_cast<std::uint32_t>(package.samples.size());
+  const std::size_t clusters = package.samples.clusters();
+  package.visibility = visibility_of(result, clusters, options);
+  const LightFunctions light = get_light_functions(*result("light_functions"));
+  const std::string stage = transfer_stage(result, options);
+  const bool lit = result(numbered(stage, 0)) != nullptr;
+
+  package.spaces = {{"direct", Space::Kind::kSampleIrradiance, n}};
+  package.program = {DirectLightStep{"direct", DirectLightStep::Shadow::kDepth}};
+  if (lit) {
+    package.spaces.push_back({"light", Space::Kind::kClusterCoefficients, light.functions.count()});
+    package.spaces.push_back({"indirect", Space::Kind::kSampleIrradiance, n});
+    package.spaces.push_back({"total", Space::Kind::kSampleIrradiance, n});
+    package.operators["project"] = projection_of(light, package.samples);
+    package.operators["transfer"] = transfer_of(result, stage, clusters);
+    package.program.emplace_back(ApplyStep{"project", "direct", "light"});
+    package.program.emplace_back(ApplyStep{"transfer", "light", "indirect"});
+    package.program.emplace_back(AddStep{"direct", "indirect", "total"});
+  }
+  package.program.emplace_back(ReconstructStep{lit ? "total" : "direct"});
+  package.provenance["method"] = "lb";
+  package.provenance["options"] = nlohmann::json::object();
+  for (const auto& [key, value] : options.all()) package.provenance["options"][key] = value;
+  return package;
+}
+
+}  // namespace prt::lb

@@ -1,0 +1,129 @@
+#include "methods/lb/lb.h"
+
+#include <map>
+
+#include "methods/common/rays.h"
+#include "methods/common/sampling.h"
+#include "methods/lb/assemble.h"
+#include "methods/lb/plan.h"
+#include "methods/lb/tasks.h"
+
+namespace prt {
+
+namespace {
+
+using RunTask = Artifact (*)(const TaskSpec&, const TaskReader&);
+
+const std::map<std::string, RunTask>& task_table() {
+  static const std::map<std::string, RunTask> table = [] {
+    std::map<std::string, RunTask> t;
+    for (const auto& kind : sampling_kinds()) t[kind] = run_sampling;
+    for (const auto& kind : rays_kinds()) t[kind] = run_rays;
+    t["visibility"] = lb::run_visibility;
+    t["lights"] = lb::run_lights;
+    t["light_basis"] = lb::run_light_basis;
+    t["light_functions"] = lb::run_light_functions;
+    t["snapshot"] = lb::run_snapshot;
+    t["snapshot_functions"] = lb::run_snapshot_functions;
+    t["galerkin"] = lb::run_galerkin;
+    t["solve"] = lb::run_solve;
+    t["transfer"] = lb::run_transfer;
+    t["residual"] = lb::run_residual;
+    t["photons"] = lb::run_photons;
+    t["photon_transfer"] = lb::run_photon_transfer;
+    return t;
+  }();
+  return table;
+}
+
+class LeonhardtBohn : public Method {
+ public:
+  [[nodiscard]] std::string name() const override { return "lb"; }
+
+  [[nodiscard]] std::vector<OptionSpec> options() const override {
+    using Type = OptionSpec::Type;
+    return {
+        {"lb.visibility_rank",
+         Type::kInteger,
+         50,
+         1,
+         1000,
+         {},
+         "1",
+         "most basis functions per cluster for depth buffers (d1)",
+         "LB §4.2"},
+        {"lb.distance_bias",
+         Type::kNumber,
+         0.07,
+         0.0,
+         0.9,
+         {},
+         "1",
+         "share of its distance by which a light counts as nearer than it is",
+         "LB §5"},
+        {"lb.example_lights",
+         Type::kInteger,
+         1000,
+         1,
+         1000000,
+         {},
+         "1",
+         "point lights from which the direct-light basis is made (l)",
+         "LB §4.3.1"},
+        {"lb.light_rank",
+         Type::kInteger,
+         10,
+         1,
+         1000,
+         {},
+         "1",
+         "most basis functions per cluster for direct light (d2)",
+         "LB §4.3.1"},
+        {"lb.solver",
+         Type::kText,
+         "gather",
+         0,
+         0,
+         {"gather", "photons"},
+         "",
+         "how transfer is computed: stored rays, or photon mapping as in the paper",
+         "LB §4.3.2"},
+        {"lb.photons",
+         Type::kInteger,
+         2000000,
+         1,
+         1e12,
+         {},
+         "1",
+         "photons shot in all, shared out evenly among sender clusters",
+         "LB §4.3.2"},
+    };
+  }
+
+  [[nodiscard]] Plan plan(const PlanInputs& inputs) const override { return lb::make_plan(inputs); }
+
+  [[nodiscard]] std::vector<std::string> kinds() const override {
+    std::vector<std::string> kinds;
+    for (const auto& [kind, run] : task_table()) kinds.push_back(kind);
+    return kinds;
+  }
+
+  [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader) const override {
+    return task_table().at(task.kind)(task, reader);
+  }
+
+  [[nodiscard]] Package assemble(
+      const std::function<std::shared_ptr<const Artifact>(const std::string&)>& result,
+      const OptionValues& options) const override {
+    return lb::assemble_package(result, options);
+  }
+};
+
+}  // namespace
+
+const Method& lb_method() {
+  static const LeonhardtBohn method;
+  return method;
+}
+
+}  // namespace prt

@@ -1,0 +1,262 @@
+#include "methods/lb/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "methods/common/inputs.h"
+#include "methods/common/rays.h"
+#include "methods/common/sampling.h"
+
+namespace prt::lb {
+
+namespace {
+
+constexpr const char* kLightFunctions = "light_functions";
+constexpr std::size_t kLightsPerTask = 250;
+// The first snapshot bases; doubled while the measured residual stays above the tolerance.
+constexpr int kSnapshotRank = 20;
+constexpr int kMostRounds = 4;
+constexpr int kTransferRank = 50;
+// Colours closer than this are grey: one channel serves all three.
+constexpr double kGreySpread = 1e-6;
+
+/// Plans stage by stage; holds what all stages need.
+class Planner {
+ public:
+  Planner(const PlanInputs& inputs, Plan& plan)
+      : in_(inputs), options_(inputs.options()), plan_(plan) {}
+
+  void run() {
+    if (!plan_sampling(in_, plan_)) return;
+    clusters_ = plan_rays(in_, plan_);
+    const auto samples = in_.result(kSamplesTask);
+    begin_ = samples->vector<std::uint32_t>("cluster_begin");
+    plan_.results = {kSamplesTask};
+    plan_visibility();
+    plan_lights();
+    const auto albedo = in_.result(kAlbedoTask);
+    if (!albedo) return;
+    const double largest = albedo->attribute<double>("largest");
+    if (largest <= 0.0) {
+      plan_.left_out.push_back({"transport", "every surface is black: there is no indirect light"});
+      plan_.complete = true;
+      return;
+    }
+    channels_ = 3;
+    if (albedo->attribute<double>("colour_spread") <= kGreySpread) {
+      channels_ = 1;
+      plan_.left_out.push_back(
+          {"two colour channels", "the scene is grey: one channel serves all"});
+    }
+    if (options_.get<std::string>("lb.solver") == "photons") {
+      plan_photons();
+    } else {
+      plan_gather();
+    }
+  }
+
+ private:
+  TaskSpec make(const std::string& kind, const std::string& id, std::vector<std::string> inputs,
+                unsigned scene_parts, double cost) const {
+    TaskSpec spec;
+    spec.id = id;
+    spec.kind = kind;
+    spec.version = 1;
+    spec.inputs = std::move(inputs);
+    spec.scene_parts = scene_parts;
+    spec.cost = cost;
+    return spec;
+  }
+  [[nodiscard]] double size_of(std::size_t c) const { return begin_[c + 1] - begin_[c]; }
+  [[nodiscard]] std::uint64_t seed() const { return options_.get<std::uint64_t>("seed"); }
+  [[nodiscard]] std::vector<std::string> all(const std::string& stage, std::size_t count) const {
+    std::vector<std::string> ids;
+    for (std::size_t i = 0; i < count; ++i) ids.push_back(numbered(stage, i));
+    return ids;
+  }
+  /// Adds one task per cluster; `adapt` fills in what is its own.
+  template <typename Adapt>
+  void per_cluster(const std::string& kind, const std::string& stage, Adapt&& adapt) {
+    for (std::size_t c = 0; c < clusters_; ++c) {
+      TaskSpec spec = make(kind, numbered(stage, c), {}, kNoScene, 1.0);
+      spec.parameters["cluster"] = c;
+      adapt(spec, c);
+      plan_.tasks.push_back(spec);
+    }
+  }
+
+  void plan_visibility() {
+    per_cluster("visibility", "visibility", [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = {numbered("rays", c)};
+      spec.parameters = {{"rank", options_.get<int>("lb.visibility_rank")},
+                         {"bits", options_.get<int>("compression.bits")}};
+      spec.cost = 2e-4 * size_of(c);
+      plan_.results.push_back(spec.id);
+    });
+  }
+
+  void plan_lights() {
+    const auto count = options_.get<std::size_t>("lb.example_lights");
+    std::vector<std::string> lights;
+    for (std::size_t first = 0; first < count; first += kLightsPerTask) {
+      TaskSpec spec =
+          make("lights", numbered("lights", lights.size()), {kSamplesTask}, kGeometry, 1.0);
+      spec.parameters = {
+          {"seed", seed()}, {"first", first}, {"count", std::min(kLightsPerTask, count - first)}};
+      lights.push_back(spec.id);
+      plan_.tasks.push_back(spec);
+    }
+    per_cluster("light_basis", "light_basis", [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = {kSamplesTask};
+      spec.inputs.insert(spec.inputs.end(), lights.begin(), lights.end());
+      spec.scene_parts = kGeometry;
+      spec.parameters["rank"] = options_.get<int>("lb.light_rank");
+      spec.cost = 1.5e-7 * static_cast<double>(count) * size_of(c);
+    });
+    std::vector<std::string> inputs = all("light_basis", clusters_);
+    inputs.insert(inputs.begin(), kSamplesTask);
+    plan_.tasks.push_back(make("light_functions", kLightFunctions, inputs, kNoScene, 1.0));
+    plan_.results.emplace_back(kLightFunctions);
+  }
+
+  void add_compression(TaskSpec& spec) const {
+    spec.parameters["bits"] = options_.get<int>("compression.bits");
+    spec.parameters["tolerance"] = options_.get<double>("compression.tolerance");
+    spec.parameters["rank"] = kTransferRank;
+  }
+  [[nodiscard]] int bounces() const {
+    return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
+  }
+
+  void plan_gather() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      plan_round(round);
+      if (bounces() >= 0) break;  // a truncated series has no residual to judge
+      const auto residual = measured_residual(round);
+      if (!residual) return;
+      if (*residual <= options_.get<double>("transport.tolerance")) break;
+    }
+    finish();
+  }
+
+  /// Relative residual of the transport equation, once every task that measures it is done.
+  [[nodiscard]] std::optional<double> measured_residual(int round) const {
+    double squared = 0.0;
+    double source = 0.0;
+    for (std::size_t c = 0; c < clusters_; ++c) {
+      const auto part = in_.result(numbered(stage("residual", round), c));
+      if (!part) return std::nullopt;
+      squared += part->attribute<double>("squared_residual");
+      source = part->attribute<double>("squared_source");
+    }
+    return source > 0.0 ? std::sqrt(squared / source) : 0.0;
+  }
+  static std::string stage(const std::string& kind, int round) {
+    return round == 0 ? kind : fmt::format("{}-{}", kind, round + 1);
+  }
+
+  void plan_round(int round) {
+    const int rank = kSnapshotRank << round;
+    const double tolerance = options_.get<double>("transport.tolerance") / (1 << round);
+    const std::string snapshot = stage("snapshot", round);
+    const std::string galerkin = stage("galerkin", round);
+    const std::string bundle = stage("snapshot_functions", round);
+    const std::string solve = stage("solve", round);
+    transfer_stage_ = stage("transfer", round);
+    const bool one_bounce = bounces() == 1;
+    const auto gather_inputs = [&](std::size_t c, const std::string& functions) {
+      return std::vector<std::string>{kSamplesTask, kAlbedoTask, numbered("rays", c), functions};
+    };
+    if (!one_bounce) {
+      per_cluster("snapshot", snapshot, [&](TaskSpec& spec, std::size_t c) {
+        spec.inputs = gather_inputs(c, kLightFunctions);
+        spec.parameters["channels"] = channels_;
+        spec.parameters["rank"] = rank;
+        spec.parameters["tolerance"] = tolerance;
+        spec.cost = 3e-4 * size_of(c);
+      });
+      std::vector<std::string> inputs = all(snapshot, clusters_);
+      inputs.insert(inputs.begin(), kSamplesTask);
+      plan_.tasks.push_back(make("snapshot_functions", bundle, inputs, kNoScene, 1.0));
+      per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
+        spec.inputs = gather_inputs(c, bundle);
+        spec.parameters["channels"] = channels_;
+        spec.cost = 3e-4 * size_of(c);
+      });
+      inputs = all(snapshot, clusters_);
+      const auto rows = all(galerkin, clusters_);
+      inputs.insert(inputs.end(), rows.begin(), rows.end());
+      TaskSpec spec = make("solve", solve, inputs, kNoScene, 1.0);
+      spec.parameters = {{"channels", channels_}, {"bounces", bounces()}};
+      plan_.tasks.push_back(spec);
+    }
+    per_cluster("transfer", transfer_stage_, [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = gather_inputs(c, kLightFunctions);
+      if (!one_bounce) {
+        spec.inputs.push_back(bundle);
+        spec.inputs.push_back(solve);
+      }
+      spec.parameters["channels"] = channels_;
+      add_compression(spec);
+      spec.cost = 6e-4 * size_of(c);
+    });
+    if (bounces() >= 0) return;
+    per_cluster("residual", stage("residual", round), [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = {kSamplesTask, kAlbedoTask, numbered("rays", c)};
+      const auto parts = all(transfer_stage_, clusters_);
+      spec.inputs.insert(spec.inputs.end(), parts.begin(), parts.end());
+      spec.parameters["channels"] = channels_;
+      spec.cost = 5e-5 * size_of(c);
+    });
+  }
+
+  void plan_photons() {
+    const double photons = options_.get<double>("lb.photons") / static_cast<double>(clusters_);
+    per_cluster("photons", "photons", [&](TaskSpec& spec, std::size_t) {
+      spec.inputs = {kSamplesTask, kLightFunctions};
+      spec.scene_parts = kGeometry | kMaterials;
+      spec.parameters["photons"] = static_cast<std::uint64_t>(std::ceil(photons));
+      spec.parameters["channels"] = channels_;
+      spec.parameters["bounces"] = bounces();
+      spec.parameters["seed"] = seed();
+      spec.cost = 4e-6 * photons;
+    });
+    per_cluster("photon_transfer", "photon_transfer", [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = {kSamplesTask, kLightFunctions};
+      const auto shot = all("photons", clusters_);
+      spec.inputs.insert(spec.inputs.end(), shot.begin(), shot.end());
+      spec.parameters["channels"] = channels_;
+      add_compression(spec);
+      spec.cost = 3e-4 * size_of(c);
+    });
+    transfer_stage_ = "photon_transfer";
+    finish();
+  }
+
+  /// The transfer tasks of the last round are what the package is made of.
+  void finish() {
+    for (const std::string& id : all(transfer_stage_, clusters_)) plan_.results.push_back(id);
+    plan_.complete = true;
+  }
+
+  const PlanInputs& in_;
+  const OptionValues& options_;
+  Plan& plan_;
+  std::size_t clusters_ = 0;
+  std::vector<std::uint32_t> begin_;
+  int channels_ = 3;
+  std::string transfer_stage_;
+};
+
+}  // namespace
+
+Plan make_plan(const PlanInputs& inputs) {
+  Plan plan;
+  Planner(inputs, plan).run();
+  return plan;
+}
+
+}  // namespace prt::lb

@@ -1,0 +1,58 @@
+// The tasks of the method, by kind. Inputs are listed in the order each expects them.
+#pragma once
+
+#include "methods/method.h"
+#include "transport/gather.h"
+
+namespace prt::lb {
+
+/// rays/c → quantised depth mean, basis, coefficients (LB §4.2).
+Artifact run_visibility(const TaskSpec& task, const TaskReader& reader);
+
+/// samples → positions of example lights (LB §4.3.1).
+Artifact run_lights(const TaskSpec& task, const TaskReader& reader);
+/// samples, lights/* → orthonormal basis of direct light on a cluster.
+Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader);
+/// samples, light_basis/* → all clusters' functions side by side (bundle).
+Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader);
+
+/// samples, albedo, rays/c, light_functions → basis of once-gathered light on a cluster.
+Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader);
+/// samples, snapshot/* → all clusters' snapshot bases side by side (bundle).
+Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader);
+/// samples, albedo, rays/c, snapshot_functions → one cluster's rows of the reduced operator.
+Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader);
+/// snapshot/*, galerkin/* → solution of the reduced system for every light function.
+Artifact run_solve(const TaskSpec& task, const TaskReader& reader);
+/// samples, albedo, rays/c, light_functions[, snapshot_functions, solve] → compressed transfer.
+Artifact run_transfer(const TaskSpec& task, const TaskReader& reader);
+/// samples, albedo, rays/c, probes of transfer/* → residual of the transport equation.
+Artifact run_residual(const TaskSpec& task, const TaskReader& reader);
+
+/// samples, light_functions → transfer of one sender cluster by photons (LB §4.3.2).
+Artifact run_photons(const TaskSpec& task, const TaskReader& reader);
+/// samples, light_functions, photons/* → compressed transfer of one receiver cluster.
+Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader);
+
+/// Light functions of all clusters as stored by run_light_functions: functions scaled by the
+/// typical size of their coefficients, and the projections onto them.
+struct LightFunctions {
+  ClusterFunctions functions;  ///< values: samples × k
+  MatrixF projections;  ///< samples × k: coefficient k of a cluster = Σ_s projections(s,k)·E(s)
+};
+std::shared_ptr<const ClusterFunctions> shared_functions(const TaskReader& reader, std::size_t i);
+LightFunctions get_light_functions(const Artifact& artifact);
+
+/// The compression that ends every transfer task.
+struct TransferCompression {
+  int bits = 8;
+  int rank = 50;
+  double tolerance = 1e-2;
+};
+/// Compresses transfer into one receiver cluster (one matrix per channel, n_r × all functions) and
+/// measures what each step costs.
+Artifact compress_transfer(const std::vector<MatrixF>& transfer, const VectorF& areas,
+                           const std::vector<std::uint32_t>& function_begin,
+                           const TransferCompression& settings);
+
+}  // namespace prt::lb

@@ -1,0 +1,202 @@
+#include <cmath>
+
+#include "base/random.h"
+#include "bases/function_basis.h"
+#include "domains/directions.h"
+#include "methods/common/inputs.h"
+#include "methods/lb/tasks.h"
+#include "operators/reduced_system.h"
+
+namespace prt::lb {
+
+namespace {
+
+constexpr int kProbes = 4;
+
+/// What the gather of one receiver cluster needs: inputs samples, albedo, rays.
+struct Receiver {
+  Receiver(const TaskSpec& task, const TaskReader& reader)
+      : shared(shared_samples(reader, 0)),
+        cluster(task.parameters["cluster"].get<std::uint32_t>()),
+        rays(reader.input(2)),
+        directions(rays->attribute<int>("directions")),
+        albedo(reader.input(1)->matrix("albedo").leftCols(task.parameters["channels"].get<int>())),
+        areas(cluster_areas(shared->samples, cluster)) {}
+
+  [[nodiscard]] std::vector<MatrixF> gather(const ClusterFunctions& functions) const {
+    return gather_functions(rays->values<std::uint32_t>("sender"), directions.weights(), albedo,
+                            functions, shared->cluster_of_sample);
+  }
+  /// This cluster's own functions, n_r × k.
+  [[nodiscard]] MatrixF own(const ClusterFunctions& functions) const {
+    return functions.values.block(shared->samples.cluster_begin[cluster], 0,
+                                  shared->samples.cluster_size(cluster), functions.of(cluster));
+  }
+
+  std::shared_ptr<const SharedSamples> shared;
+  std::uint32_t cluster;
+  std::shared_ptr<const Artifact> rays;
+  HemisphereDirections directions;
+  MatrixF albedo;
+  VectorF areas;
+};
+
+/// Channels side by side.
+MatrixF join(const std::vector<MatrixF>& channels) {
+  MatrixF all(channels[0].rows(), static_cast<Eigen::Index>(channels.size()) * channels[0].cols());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    all.middleCols(static_cast<Eigen::Index>(c) * channels[0].cols(), channels[0].cols()) =
+        channels[c];
+  }
+  return all;
+}
+
+/// Coefficients of light functions as a typical light has them: all of size 1, random signs.
+MatrixF probe_coefficients(std::uint32_t count) {
+  MatrixF z(count, kProbes);
+  Random random(stream_key(0, "residual probes"), 0);
+  for (Eigen::Index i = 0; i < z.size(); ++i)
+    z.data()[i] = (random.bits() & 1U) != 0 ? 1.0F : -1.0F;
+  return z;
+}
+
+}  // namespace
+
+Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader) {
+  const Receiver receiver(task, reader);
+  const auto functions = shared_functions(reader, 3);
+  const MatrixF x = join(receiver.gather(*functions));
+  check_stop(reader);
+  const FunctionBasis basis =
+      make_function_basis(x.transpose(), receiver.areas, task.parameters["rank"].get<int>(),
+                          task.parameters["tolerance"].get<double>());
+  Artifact out;
+  out.put("functions", basis.functions, "1/m", "basis of once-gathered light");
+  const MatrixD projected =
+      (basis.functions * receiver.areas.asDiagonal()).cast<double>() * x.cast<double>();
+  out.put("projected", MatrixF(projected.cast<float>()), "W/m",
+          "once-gathered light functions in it");
+  out.attributes = {{"cluster", receiver.cluster},    {"samples", receiver.areas.size()},
+                    {"rank", basis.functions.rows()}, {"energy", basis.energy},
+                    {"error", basis.error},           {"orthonormality_defect", basis.defect}};
+  return out;
+}
+
+Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader) {
+  const Receiver receiver(task, reader);
+  const auto snapshots = shared_functions(reader, 3);
+  const MatrixF gathered = join(receiver.gather(*snapshots));
+  const MatrixD weighted_basis =
+      (receiver.own(*snapshots).transpose() * receiver.areas.asDiagonal()).cast<double>();
+  Artifact out;
+  out.put("reduced", MatrixF((weighted_basis * gathered.cast<double>()).cast<float>()), "1",
+          "rows of the reduced one-bounce operator, channels side by side");
+  out.attributes = {{"cluster", receiver.cluster}};
+  return out;
+}
+
+Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
+  const auto channels = task.parameters["channels"].get<Eigen::Index>();
+  const std::size_t clusters = task.inputs.size() / 2;
+  std::vector<MatrixF> reduced;
+  std::vector<MatrixF> projected;
+  Eigen::Index unknowns = 0;
+  for (std::size_t c = 0; c < clusters; ++c) {
+    projected.push_back(reader.input(c)->matrix("projected"));
+    reduced.push_back(reader.input(clusters + c)->matrix("reduced"));
+    unknowns += reduced.back().rows();
+  }
+  const Eigen::Index functions = projected[0].cols() / channels;
+  MatrixF solution(unknowns, channels * functions);
+  double residual = 0.0;
+  const int bounces = task.parameters["bounces"].get<int>();
+  for (Eigen::Index channel = 0; channel < channels; ++channel) {
+    MatrixD r(unknowns, unknowns);
+    MatrixD b(unknowns, functions);
+    Eigen::Index row = 0;
+    for (std::size_t c = 0; c < clusters; ++c) {
+      const Eigen::Index k = reduced[c].rows();
+      r.middleRows(row, k) = reduced[c].middleCols(channel * unknowns, unknowns).cast<double>();
+      b.middleRows(row, k) = projected[c].middleCols(channel * functions, functions).cast<double>();
+      row += k;
+    }
+    // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
+    const ReducedSolution solved = solve_reduced(r, b, bounces < 0 ? -1 : std::max(0, bounces - 2));
+    solution.middleCols(channel * functions, functions) = solved.x.cast<float>();
+    residual = std::max(residual, solved.residual);
+    check_stop(reader);
+  }
+  Artifact out;
+  out.put("solution", solution, "W/m", "all bounces of every light function in the snapshot bases");
+  out.attributes = {{"unknowns", unknowns}, {"reduced_residual", residual}};
+  return out;
+}
+
+Artifact run_transfer(const TaskSpec& task, const TaskReader& reader) {
+  const Receiver receiver(task, reader);
+  const auto functions = shared_functions(reader, 3);
+  std::vector<MatrixF> transfer = receiver.gather(*functions);
+  const MatrixF z = probe_coefficients(functions->count());
+  double source = 0.0;  // squared norm of the once-gathered probes
+  for (const MatrixF& x : transfer) {
+    source += (receiver.areas.cwiseSqrt().asDiagonal() * (x * z)).squaredNorm();
+  }
+  MatrixF probes =
+      MatrixF::Zero(receiver.areas.size(), static_cast<Eigen::Index>(transfer.size()) * kProbes);
+  if (task.inputs.size() > 4) {
+    check_stop(reader);
+    const auto snapshots = shared_functions(reader, 4);
+    const MatrixF solution = reader.input(5)->matrix("solution");
+    const std::vector<MatrixF> gathered = receiver.gather(*snapshots);
+    const MatrixF own = receiver.own(*snapshots);
+    const auto width = static_cast<Eigen::Index>(functions->count());
+    for (std::size_t c = 0; c < transfer.size(); ++c) {
+      const auto channel = static_cast<Eigen::Index>(c);
+      transfer[c] += gathered[c] * solution.middleCols(channel * width, width);
+      // The part of the probes that the snapshot bases miss: T sends exactly that on as residual.
+      const MatrixF lit = transfer[c] * z;
+      probes.middleCols(channel * kProbes, kProbes) =
+          lit - own * (own.transpose() * (receiver.areas.asDiagonal() * lit));
+    }
+  }
+  check_stop(reader);
+  const auto& p = task.parameters;
+  Artifact out =
+      compress_transfer(transfer, receiver.areas, functions->begin,
+                        {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
+  out.put("probes", probes, "W/m^2", "probe lights' part outside the snapshot bases");
+  out.attributes["cluster"] = receiver.cluster;
+  out.attributes["samples"] = receiver.areas.size();
+  out.attributes["probe_source"] = source;
+  return out;
+}
+
+Artifact run_residual(const TaskSpec& task, const TaskReader& reader) {
+  const Receiver receiver(task, reader);
+  const auto channels = task.parameters["channels"].get<int>();
+  std::vector<MatrixF> fields(
+      channels, MatrixF(static_cast<Eigen::Index>(receiver.shared->samples.size()), kProbes));
+  Eigen::Index row = 0;
+  double source = 0.0;
+  for (std::size_t i = 3; i < task.inputs.size(); ++i) {
+    const auto part = reader.input(i);
+    const MatrixF probes = part->matrix("probes");
+    for (int c = 0; c < channels; ++c) {
+      fields[c].middleRows(row, probes.rows()) = probes.middleCols(c * kProbes, kProbes);
+    }
+    row += probes.rows();
+    source += part->attribute<double>("probe_source");
+  }
+  const auto residual = gather_fields(receiver.rays->values<std::uint32_t>("sender"),
+                                      receiver.directions.weights(), receiver.albedo, fields);
+  double squared = 0.0;
+  for (const MatrixF& r : residual) {
+    squared += (receiver.areas.cwiseSqrt().asDiagonal() * r).squaredNorm();
+  }
+  Artifact out;
+  out.attributes = {
+      {"cluster", receiver.cluster}, {"squared_residual", squared}, {"squared_source", source}};
+  return out;
+}
+
+}  // namespace prt::lb

@@ -1,0 +1,33 @@
+#include "operators/low_rank.h"
+
+#include <cmath>
+
+#include "bases/singular.h"
+
+namespace prt {
+
+void balance(MatrixF& left, MatrixF& right) {
+  for (Eigen::Index k = 0; k < left.cols(); ++k) {
+    const float largest = left.rows() > 0 ? left.col(k).cwiseAbs().maxCoeff() : 0.0F;
+    if (!std::isnormal(largest)) continue;
+    left.col(k) /= largest;
+    right.row(k) *= largest;
+  }
+}
+
+LowRank low_rank(const MatrixF& m, const VectorF& row_weights, const VectorF& column_weights,
+                 int most, double tolerance) {
+  const VectorD row = row_weights.cast<double>().cwiseSqrt();
+  const MatrixD scaled = row.asDiagonal() * m.cast<double>();
+  const MatrixD weighted = scaled * column_weights.cast<double>().asDiagonal();
+  const SingularBasis basis = leading_left_vectors(weighted, most, tolerance);
+  LowRank result;
+  const VectorD inverse = row.unaryExpr([](double r) { return r > 0.0 ? 1.0 / r : 0.0; });
+  result.left = (inverse.asDiagonal() * basis.vectors.transpose()).cast<float>();
+  result.right = (basis.vectors * scaled).cast<float>();
+  result.relative_error = std::sqrt(std::max(0.0, 1.0 - basis.energy));
+  balance(result.left, result.right);
+  return result;
+}
+
+}  // namespace prt
