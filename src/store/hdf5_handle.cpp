@@ -1,7 +1,5 @@
 #include "store/hdf5_handle.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 
 namespace prt::hdf5 {
@@ -35,16 +33,6 @@ Handle creation_properties(hid_t kind) {
   Handle properties(H5Pcreate(kind), H5Pclose, "making a property list");
   check(H5Pset_obj_track_times(properties.id(), false), "switching times off");
   return properties;
-}
-
-Handle create_in_memory(std::size_t expected_bytes) {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "making a property list");
-  const std::size_t increment = std::max<std::size_t>(expected_bytes, 1 << 16);
-  check(H5Pset_fapl_core(access.id(), increment, false), "choosing memory");
-  check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), "fixing the format");
-  const Handle creation = creation_properties(H5P_FILE_CREATE);
-  return {H5Fcreate("memory", H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
-          "making a file in memory"};
 }
 
 Handle require_group(hid_t parent, const std::string& name) {

@@ -57,23 +57,7 @@ class Handle {
 /// H5P_DATASET_CREATE.
 Handle creation_properties(hid_t kind);
 
-/// A new file that lives in memory only, in the file format of HDF5 1.8. `expected_bytes` is how
-/// much memory it takes at a time.
-Handle create_in_memory(std::size_t expected_bytes);
-
 /// The group of that name below `parent`, made if missing.
 Handle require_group(hid_t parent, const std::string& name);
-
-/// Appends the bytes of an in-memory file to `out`, leaving `spare` bytes of capacity behind them.
-template <typename Bytes>
-void append_image(const Handle& file, Bytes& out, std::size_t spare) {
-  check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "finishing a file");
-  const auto size = check(H5Fget_file_image(file.id(), nullptr, 0), "measuring a file");
-  const std::size_t before = out.size();
-  out.reserve(before + static_cast<std::size_t>(size) + spare);
-  out.resize(before + static_cast<std::size_t>(size));
-  check(H5Fget_file_image(file.id(), out.data() + before, static_cast<std::size_t>(size)),
-        "copying a file");
-}
 
 }  // namespace prt::hdf5

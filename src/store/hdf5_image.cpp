@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "store/hdf5_attributes.h"
 #include "store/hdf5_handle.h"
+#include "store/hdf5_memory.h"
 
 namespace prt {
 
@@ -202,37 +203,6 @@ void append_seal(std::vector<std::byte>& file) {
   file.insert(file.end(), raw.begin(), raw.end());
 }
 
-/// Reads the bytes where they lie: HDF5 is handed the caller's memory instead of a copy.
-class BorrowedImage {
- public:
-  explicit BorrowedImage(std::span<const std::byte> bytes)
-      : bytes_(bytes), access_(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "making a property list") {
-    check(H5Pset_fapl_core(access_.id(), 1 << 16, false), "choosing memory");
-    H5FD_file_image_callbacks_t callbacks{allocate, copy,       reallocate, release,
-                                          share,    drop_share, this};
-    check(H5Pset_file_image_callbacks(access_.id(), &callbacks), "lending memory");
-    check(H5Pset_file_image(access_.id(), memory(), bytes.size()), "lending memory");
-  }
-  [[nodiscard]] Handle open() const {
-    return {H5Fopen("memory", H5F_ACC_RDONLY, access_.id()), H5Fclose, "opening a file"};
-  }
-
- private:
-  // Never written to: the file is opened for reading only.
-  [[nodiscard]] void* memory() const { return const_cast<std::byte*>(bytes_.data()); }
-  static void* allocate(std::size_t, H5FD_file_image_op_t, void* self) {
-    return static_cast<BorrowedImage*>(self)->memory();
-  }
-  static void* copy(void* to, const void*, std::size_t, H5FD_file_image_op_t, void*) { return to; }
-  static void* reallocate(void*, std::size_t, H5FD_file_image_op_t, void*) { return nullptr; }
-  static herr_t release(void*, H5FD_file_image_op_t, void*) { return 0; }
-  static void* share(void* self) { return self; }
-  static herr_t drop_share(void*) { return 0; }
-
-  std::span<const std::byte> bytes_;
-  Handle access_;
-};
-
 ArtifactLabel read_label(hid_t root) {
   const auto schema = hdf5::read_attribute(root, "schema_version").get<std::int64_t>();
   if (schema != kArtifactSchemaVersion) {
@@ -247,6 +217,21 @@ ArtifactLabel read_label(hid_t root) {
   return label;
 }
 
+void write_root(hid_t file, const Artifact& artifact, const ArtifactLabel& label) {
+  const Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "opening the root");
+  hdf5::write_attribute(root.id(), "schema_version", kArtifactSchemaVersion);
+  hdf5::write_attribute(root.id(), "code_version", label.code_version);
+  hdf5::write_attribute(root.id(), "kind", label.kind);
+  hdf5::write_attribute(root.id(), "key", label.key.hex());
+  hdf5::write_attribute(root.id(), "equation", label.equation);
+  for (const auto& [name, value] : artifact.attributes.items()) {
+    if (is_own_attribute(name)) {
+      throw std::logic_error("artifact attribute " + name + " has a name of the store's own");
+    }
+    hdf5::write_attribute(root.id(), name, value);
+  }
+}
+
 /// Runs `read` on the root group of a file whose seal is sound. JSON type errors mean an attribute
 /// of another type than ours.
 template <typename Read>
@@ -254,8 +239,7 @@ auto read_sealed(std::span<const std::byte> file, Read&& read) {
   const Digest content = verify_seal(file);
   const hdf5::Session session;
   try {
-    const BorrowedImage image(file.first(file.size() - sizeof(Seal)));
-    const Handle opened = image.open();
+    const hdf5::BorrowedFile opened(file.first(file.size() - sizeof(Seal)));
     const Handle root(H5Gopen2(opened.id(), "/", H5P_DEFAULT), H5Gclose, "opening the root");
     return read(root.id(), content);
   } catch (const nlohmann::json::exception& error) {
@@ -278,21 +262,10 @@ std::vector<std::byte> to_hdf5(const Artifact& artifact, const ArtifactLabel& la
   std::vector<std::byte> bytes;
   {
     const hdf5::Session session;
-    const Handle file = hdf5::create_in_memory(expected_bytes(artifact));
-    const Handle root(H5Gopen2(file.id(), "/", H5P_DEFAULT), H5Gclose, "opening the root");
-    hdf5::write_attribute(root.id(), "schema_version", kArtifactSchemaVersion);
-    hdf5::write_attribute(root.id(), "code_version", label.code_version);
-    hdf5::write_attribute(root.id(), "kind", label.kind);
-    hdf5::write_attribute(root.id(), "key", label.key.hex());
-    hdf5::write_attribute(root.id(), "equation", label.equation);
-    for (const auto& [name, value] : artifact.attributes.items()) {
-      if (is_own_attribute(name)) {
-        throw std::logic_error("artifact attribute " + name + " has a name of the store's own");
-      }
-      hdf5::write_attribute(root.id(), name, value);
-    }
+    hdf5::MemoryFile file(expected_bytes(artifact));
+    write_root(file.id(), artifact, label);
     for (const auto& [name, dataset] : artifact.datasets) write_dataset(file.id(), name, dataset);
-    hdf5::append_image(file, bytes, sizeof(Seal));
+    bytes = file.close();
   }
   append_seal(bytes);
   return bytes;

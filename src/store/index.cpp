@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "store/bake_folder.h"
-#include "store/hdf5_handle.h"
+#include "store/hdf5_memory.h"
 
 namespace prt {
 
@@ -35,7 +35,7 @@ void write_index(FileSystem& fs, const FileSystem::Path& bake_dir,
   std::vector<std::byte> bytes;
   {
     const hdf5::Session session;
-    const hdf5::Handle file = hdf5::create_in_memory(1 << 20);
+    hdf5::MemoryFile file(1 << 20);
     for (const auto& [stage, file_of_link] : file_of_link_of_stage) {
       const hdf5::Handle group = hdf5::require_group(file.id(), stage);
       for (const auto& [link, target] : file_of_link) {
@@ -44,7 +44,7 @@ void write_index(FileSystem& fs, const FileSystem::Path& bake_dir,
                     "linking an artifact");
       }
     }
-    hdf5::append_image(file, bytes, 0);
+    bytes = file.close();
   }
   replace_file(fs, bake_dir / kIndexName, bytes);
 }
