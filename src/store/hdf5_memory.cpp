@@ -16,6 +16,10 @@ namespace {
 constexpr std::size_t kEndOfFileOffset = 28;
 constexpr std::size_t kSuperblockBytes = 48;
 
+// HDF5 opens a file of the given name, if there is one, even where all is in memory: this one can
+// exist nowhere.
+constexpr const char* kNoFile = "/dev/null/memory";
+
 herr_t keep(void*, H5FD_file_image_op_t, void*) { return 0; }
 void* share(void* data) { return data; }
 herr_t drop_share(void*) { return 0; }
@@ -38,7 +42,7 @@ Handle open_borrowed(std::span<const std::byte> bytes) {
   const Handle access =
       access_properties(1 << 16, {lend, lend_copy, refuse_resize, keep, share, drop_share, memory});
   check(H5Pset_file_image(access.id(), memory, bytes.size()), "lending memory");
-  return {H5Fopen("memory", H5F_ACC_RDONLY, access.id()), H5Fclose, "opening a file"};
+  return {H5Fopen(kNoFile, H5F_ACC_RDONLY, access.id()), H5Fclose, "opening a file"};
 }
 
 }  // namespace
@@ -48,7 +52,7 @@ MemoryFile::MemoryFile(std::size_t expected_bytes) {
       access_properties(std::max<std::size_t>(expected_bytes, 1 << 14),
                         {nullptr, nullptr, resize, keep, share, drop_share, this});
   const Handle creation = creation_properties(H5P_FILE_CREATE);
-  file_.emplace(H5Fcreate("memory", H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
+  file_.emplace(H5Fcreate(kNoFile, H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose,
                 "making a file in memory");
 }
 
