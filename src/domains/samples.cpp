@@ -1,5 +1,6 @@
 #include "domains/samples.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <bit>

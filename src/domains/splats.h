@@ -19,15 +19,22 @@ struct SplatWeight {
 /// side.
 class SplatField {
  public:
+  /// `samples` must outlive the field.
   explicit SplatField(const SampleSet& samples);
 
-  /// Weights (sum 1) of the samples that reach the point; empty if none does: outside every splat.
+  /// Weights (sum 1) of the samples that reach the point; `normal` is the unit geometric normal on
+  /// the side asked for. Where no kernel reaches, the nearest compatible sample within a few radii
+  /// has all the weight; empty if there is none either: outside every splat. Thread-safe.
   void weights_at(const Vec3f& position, const Vec3f& normal, std::vector<SplatWeight>& out) const;
 
  private:
+  [[nodiscard]] float kernel(std::uint32_t sample, const Vec3f& position,
+                             const Vec3f& normal) const;
+
   const SampleSet* samples_;
   SampleGrid grid_;
-  float reach_ = 0.0F;
+  float largest_radius_ = 0.0F;  // of a kernel, m
+  float reach_ = 0.0F;           // m
 };
 
 }  // namespace prt
