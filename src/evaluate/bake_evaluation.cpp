@@ -1,0 +1,203 @@
+#include "evaluate/bake_evaluation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "evaluate/compare.h"
+#include "evaluate/reference.h"
+#include "methods/common/inputs.h"
+#include "transport/free_space.h"
+
+namespace prt {
+namespace {
+
+constexpr const char* kReference = "reference";
+constexpr const char* kEvaluate = "evaluate";
+/// Seconds per path on one core, measured on the gallery; only orders the tasks.
+constexpr double kSecondsPerPath = 3e-6;
+
+/// (r1, r2) of all points: n × 2 × 3.
+void put_pairs(Artifact& out, const std::string& name,
+               const std::vector<IrradianceEstimate>& estimates,
+               std::array<Vec3f, 2> IrradianceEstimate::*part, const std::string& meaning) {
+  std::vector<float> values;
+  for (const IrradianceEstimate& e : estimates) {
+    for (const Vec3f& half : e.*part) values.insert(values.end(), half.data(), half.data() + 3);
+  }
+  out.put<float>(name, values, {estimates.size(), 2, 3}, "W/m^2", meaning);
+}
+
+void get_pairs(const Artifact& in, const std::string& name,
+               std::vector<IrradianceEstimate>& estimates,
+               std::array<Vec3f, 2> IrradianceEstimate::*part) {
+  const auto values = in.values<float>(name);
+  if (values.size() != 6 * estimates.size()) {
+    throw UnsoundData("array " + name + " does not fit the points");
+  }
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    for (std::size_t half = 0; half < 2; ++half) {
+      (estimates[i].*part)[half] = Eigen::Map<const Vec3f>(&values[6 * i + 3 * half]);
+    }
+  }
+}
+
+void put_set(Artifact& out, const std::string& name, const TestSet& set) {
+  std::vector<Vec3f> positions, normals;
+  for (const ReceiverPoint& p : set.points) {
+    positions.push_back(p.position);
+    normals.push_back(p.normal);
+  }
+  out.put(name + "_position", positions, "m", "test points");
+  out.put(name + "_normal", normals, "1", "unit normals of the test points");
+  out.put<float>(name + "_weight", set.weights, {set.weights.size()}, "1",
+                 "share of the area that each test point stands for");
+  put_pairs(out, name + "_direct", set.reference, &IrradianceEstimate::direct,
+            "direct irradiance, two independent path-traced references");
+  put_pairs(out, name + "_indirect", set.reference, &IrradianceEstimate::indirect,
+            "indirect irradiance, two independent path-traced references");
+}
+
+TestSet get_set(const Artifact& in, const std::string& name) {
+  TestSet set;
+  const auto positions = in.points(name + "_position"), normals = in.points(name + "_normal");
+  set.weights = in.vector<float>(name + "_weight");
+  if (positions.size() != normals.size() || positions.size() != set.weights.size()) {
+    throw UnsoundData("test points of a reference do not fit together");
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    set.points.push_back({positions[i], normals[i]});
+  set.reference.resize(positions.size());
+  get_pairs(in, name + "_direct", set.reference, &IrradianceEstimate::direct);
+  get_pairs(in, name + "_indirect", set.reference, &IrradianceEstimate::indirect);
+  return set;
+}
+
+Artifact to_artifact(const LightReference& reference) {
+  Artifact out;
+  out.put("light_position", std::vector<Vec3f>{reference.light.position}, "m",
+          "white point light of 1 W/sr");
+  out.put<std::uint32_t>("sample_index", reference.sample_index, {reference.sample_index.size()},
+                         "1", "samples that are test points");
+  out.put<std::uint8_t>("sample_visibility", reference.traced_visibility,
+                        {reference.traced_visibility.size()}, "1", "1 where the light is seen");
+  put_set(out, "sample", reference.at_samples);
+  put_set(out, "surface", reference.on_surface);
+  return out;
+}
+
+LightReference from_artifact(const Artifact& in) {
+  LightReference reference;
+  const auto position = in.points("light_position");
+  if (position.size() != 1) throw UnsoundData("a reference has not exactly one light");
+  reference.light.position = position[0];
+  reference.sample_index = in.vector<std::uint32_t>("sample_index");
+  reference.traced_visibility = in.vector<std::uint8_t>("sample_visibility");
+  reference.at_samples = get_set(in, "sample");
+  reference.on_surface = get_set(in, "surface");
+  if (reference.sample_index.size() != reference.at_samples.points.size() ||
+      reference.sample_index.size() != reference.traced_visibility.size()) {
+    throw UnsoundData("sample points of a reference do not fit together");
+  }
+  return reference;
+}
+
+TaskSpec reference_task(const OptionValues& options, const std::string& samples_task,
+                        std::size_t number) {
+  TaskSpec spec;
+  spec.id = numbered(kReference, number);
+  spec.kind = kReference;
+  const auto points = options.get<std::size_t>("evaluate.points");
+  const auto spp = options.get<int>("evaluate.spp");
+  spec.parameters = {{"light", number},
+                     {"seed", options.get<std::uint64_t>("seed")},
+                     {"points", points},
+                     {"spp", spp}};
+  spec.inputs = {samples_task};
+  spec.scene_parts = kGeometry | kMaterials;
+  spec.cost = kSecondsPerPath * 2.0 * static_cast<double>(points) * spp;
+  return spec;
+}
+
+TaskSpec evaluate_task(std::size_t lights, const std::vector<std::string>& package_results) {
+  TaskSpec spec;
+  spec.id = kEvaluate;
+  spec.kind = kEvaluate;
+  spec.parameters = {{"references", lights}};
+  for (std::size_t k = 0; k < lights; ++k) spec.inputs.push_back(numbered(kReference, k));
+  spec.inputs.insert(spec.inputs.end(), package_results.begin(), package_results.end());
+  return spec;
+}
+
+}  // namespace
+
+Plan plan_evaluation(const OptionValues& options, const std::string& samples_task,
+                     const std::vector<std::string>* package_results) {
+  Plan plan;
+  plan.complete = package_results != nullptr;
+  const auto lights = options.get<std::size_t>("evaluate.lights");
+  for (const std::string key : {"evaluate.lights", "evaluate.points"}) {
+    if (options.get<std::size_t>(key) > 0) continue;
+    plan.left_out.push_back({"evaluation", key + " is 0: the error is not measured"});
+    return plan;
+  }
+  for (std::size_t k = 0; k < lights; ++k) {
+    plan.tasks.push_back(reference_task(options, samples_task, k));
+  }
+  if (package_results == nullptr) return plan;
+  plan.tasks.push_back(evaluate_task(lights, *package_results));
+  plan.results = {kEvaluate};
+  return plan;
+}
+
+std::vector<std::string> evaluation_kinds() { return {kReference, kEvaluate}; }
+
+Artifact run_reference(const TaskSpec& task, const TaskReader& reader) {
+  const auto shared = shared_samples(reader, 0);
+  const auto& p = task.parameters;
+  ReferenceSettings settings;
+  settings.seed = p["seed"].get<std::uint64_t>();
+  settings.points = p["points"].get<std::size_t>();
+  settings.paths = p["spp"].get<int>();
+  settings.clearance = kTestClearance * samples_diagonal(shared->samples);
+  const ReferenceInputs inputs{reader.scene(), reader.ray_caster(), shared->samples,
+                               shared->search};
+  return to_artifact(trace_reference(inputs, settings, p["light"].get<std::size_t>(), 1,
+                                     [&] { check_stop(reader); }));
+}
+
+Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader, const Package& package) {
+  const Evaluator player(package, {.threads = 1});
+  std::vector<LightErrors> lights;
+  for (std::size_t k = 0; k < task.parameters["references"].get<std::size_t>(); ++k) {
+    check_stop(reader);
+    const LightReference reference = from_artifact(*reader.input(k));
+    for (const std::uint32_t s : reference.sample_index) {
+      if (s >= package.samples.size())
+        throw UnsoundData("a reference names a sample that is not there");
+    }
+    lights.push_back(compare(player, reference));
+    if (lights.back().not_finite() > 0) {
+      throw UnsoundData(
+          fmt::format("{} values of test light {} are not finite", lights.back().not_finite(), k));
+    }
+  }
+  Artifact out;
+  std::vector<float> single;
+  for (const LightErrors& light : lights) {
+    for (const IrradianceSums& sums : {light.direct, light.indirect}) {
+      single.push_back(static_cast<float>(irradiance_error({&sums, 1}).rel_rmse));
+    }
+  }
+  out.put<float>("rel_rmse_of_light", single, {lights.size(), 2}, "1",
+                 "relative error of direct and indirect irradiance at samples, by test light");
+  out.attributes["error"] = error_report(lights);
+  return out;
+}
+
+nlohmann::json summarise(const Artifact& evaluate) {
+  return evaluate.attribute<nlohmann::json>("error");
+}
+
+}  // namespace prt

@@ -1,0 +1,30 @@
+// Compares what a package plays with the path-traced reference, and makes the error report of it.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "evaluate/metrics.h"
+#include "evaluate/reference.h"
+#include "player/evaluator.h"
+
+namespace prt {
+
+/// All that one test light tells about a package. Sums pool over lights.
+struct LightErrors {
+  IrradianceSums direct, indirect;                  ///< at samples
+  IrradianceSums direct_surface, indirect_surface;  ///< as the player reconstructs
+  VisibilitySums visibility;
+  double unreached = 0.0;  ///< share of the surface that no splat reaches; counts there as unlit
+  [[nodiscard]] std::uint64_t not_finite() const;
+};
+
+/// Plays the reference's light and compares. The reference's samples are those of the player's
+/// package.
+LightErrors compare(const Evaluator& player, const LightReference& reference);
+
+/// Keys direct and indirect (those of to_json(IrradianceError), and the same under "surface"),
+/// visibility_error, visibility_error_soft, visibility_error_weighted, unreached_share, lights.
+nlohmann::json error_report(std::span<const LightErrors> lights);
+
+}  // namespace prt
