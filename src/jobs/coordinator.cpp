@@ -220,6 +220,7 @@ void Coordinator::finish(std::size_t index, const TaskDone& event) {
   if (!task.recorded) {
     task.adopted = event.adopted;
     stage.adopted += event.adopted ? 1 : 0;
+    stage.cost_adopted += event.adopted ? task.spec.cost : 0.0;
   }
   task.recorded = true;
   --undone_;
@@ -233,6 +234,7 @@ void Coordinator::finish(std::size_t index, const TaskDone& event) {
 void Coordinator::undo(std::size_t index) {
   Task& task = tasks_[index];
   StageProgress& stage = stage_progress_[task.spec.kind];
+  settings_.spared.erase(*task.key);
   --stage.done;
   stage.cost_done -= task.spec.cost;
   ++undone_;
@@ -283,9 +285,20 @@ void Coordinator::on(const ResultUnsound& event) {
 // ---- decisions ---------------------------------------------------------------------------------
 
 void Coordinator::hand_out() {
-  while (!stopped_ && !ready_.empty() && !free_.empty()) {
-    assign(*ready_.begin(), free_.begin()->second);
+  while (!stopped_ && !ready_.empty()) {
+    const std::size_t first = *ready_.begin();
+    if (spare(first)) continue;
+    if (free_.empty()) return;
+    assign(first, free_.begin()->second);
   }
+}
+
+bool Coordinator::spare(std::size_t index) {
+  const Task& task = tasks_[index];
+  const auto known = contents_.find(*task.key);
+  if (known == contents_.end() || !settings_.spared.contains(*task.key)) return false;
+  on(TaskDone{-1, task.spec.id, *task.key, known->second, true, {}, {}});
+  return true;
 }
 
 void Coordinator::assign(std::size_t index, WorkerId id) {

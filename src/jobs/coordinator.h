@@ -25,6 +25,7 @@ struct StageProgress {
   std::size_t adopted = 0;  ///< of those done: found on disk
   double cost_total = 0.0;  ///< as planned, seconds
   double cost_done = 0.0;
+  double cost_adopted = 0.0;  ///< of cost_done
 };
 
 class Coordinator {
@@ -32,6 +33,9 @@ class Coordinator {
   struct Settings {
     SceneHashes scene;
     double lease_seconds = 0.0;  ///< a worker silent for longer is taken for lost; 0: never
+    /// KEYs whose artifact was let go on purpose once all that read it were done (store.keep: needed).
+    /// Their tasks count as done; one that is read after all is made again.
+    std::set<Digest> spared = {};
   };
 
   Coordinator(Settings settings, KnownContents known);
@@ -100,6 +104,7 @@ class Coordinator {
   void lose(WorkerState& worker);
   void offer(WorkerId id, const WorkerState& worker);
   void hand_out();
+  [[nodiscard]] bool spare(std::size_t task);
   void assign(std::size_t task, WorkerId worker);
   void announce();
   void fail(std::string message, bool user_error = false);

@@ -94,7 +94,8 @@ TaskDone decode_done(const json& j) {
           digest_at(j, "key"),
           digest_at(j, "content"),
           j.at("adopted"),
-          {j.at("began"), j.at("seconds"), j.at("cpu_seconds"), j.at("bytes"), j.at("slot")}};
+          {j.at("began"), j.at("seconds"), j.at("cpu_seconds"), j.at("bytes"), j.at("slot")},
+          j.at("figures")};
 }
 
 Event decode_event(const json& j) {

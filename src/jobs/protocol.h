@@ -44,6 +44,9 @@ struct TaskDone {
   Digest content;
   bool adopted = false;
   TaskCost cost;
+  /// Numbers among the artifact's attributes (measured errors, ranks), for the report; empty if it was
+  /// adopted.
+  nlohmann::json figures = nlohmann::json::object();
 };
 struct TaskFailed {
   WorkerId worker = 0;

@@ -32,10 +32,11 @@ Outcome run_caught(TaskRunner& runner, const Assignment& assignment,
                    const std::atomic<bool>& stop) {
   Outcome outcome;
   try {
-    const TaskRunner::Made made = runner.run(assignment, stop);
+    TaskRunner::Made made = runner.run(assignment, stop);
     outcome.content = made.content;
     outcome.adopted = made.adopted;
     outcome.cost.bytes = made.bytes;
+    outcome.figures = std::move(made.figures);
   } catch (const Interrupted&) {
     outcome.kind = Outcome::Kind::kDropped;
   } catch (const InputDistrusted& e) {

@@ -24,6 +24,7 @@ class TaskRunner {
     Digest content;
     bool adopted = false;
     std::uint64_t bytes = 0;
+    nlohmann::json figures = nlohmann::json::object();  ///< see TaskDone
   };
   virtual Made run(const Assignment& assignment, const std::atomic<bool>& stop) = 0;
 };

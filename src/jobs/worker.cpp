@@ -58,7 +58,7 @@ void Worker::on(const SlotFinished& finished, std::vector<WorkerAction>& actions
   switch (o.kind) {
     case Outcome::Kind::kDone:
       actions.emplace_back(
-          Report{TaskDone{id_, task, assignment.key, o.content, o.adopted, o.cost}});
+          Report{TaskDone{id_, task, assignment.key, o.content, o.adopted, o.cost, o.figures}});
       break;
     case Outcome::Kind::kFailed:
       actions.emplace_back(Report{TaskFailed{id_, task, o.message, o.user_error}});

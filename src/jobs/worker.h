@@ -23,6 +23,7 @@ struct Outcome {
   bool user_error = false;  ///< kFailed
   std::string input;        ///< kInputUnsound: id of the task whose artifact is bad
   TaskCost cost;
+  nlohmann::json figures = nlohmann::json::object();  ///< kDone, see TaskDone
 };
 
 /// Slot `slot` ended its assignment.

@@ -1,0 +1,46 @@
+// The coordinating rank's side of a bake: plans, writes the manifest, lets artifacts go, shows
+// progress.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "apps/bake/history.h"
+#include "apps/bake/planner.h"
+#include "apps/bake/progress.h"
+#include "jobs/service.h"
+#include "store/bake_folder.h"
+
+namespace prt {
+
+class Host : public BakeHost {
+ public:
+  /// `keep_all`: no artifact is let go (store.keep).
+  Host(Planner& planner, BakeFolder& folder, bool keep_all, int verbosity);
+
+  void record(const Record& record) override;
+  Event plan_on(const Coordinator& coordinator) override;
+  void tick(const Coordinator& coordinator, double now) override;
+
+  [[nodiscard]] const BakePlan& plan() const { return plan_; }
+  [[nodiscard]] const History& history() const { return history_; }
+
+ private:
+  void count_readers();
+  void let_go(const std::string& task);
+
+  Planner& planner_;
+  BakeFolder& folder_;
+  bool keep_all_;
+  Progress progress_;
+  History history_;
+  BakePlan plan_;
+  std::size_t planned_ = 0;
+  double now_ = 0.0;
+  std::map<std::string, TaskSpec> specs_;
+  std::map<std::string, std::size_t> unfinished_readers_;  // by task, once the plan is complete
+  std::map<std::string, std::size_t> done_;                // task → place in the history
+};
+
+}  // namespace prt

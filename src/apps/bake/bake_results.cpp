@@ -1,0 +1,147 @@
+#include "apps/bake/bake_results.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "apps/bake/report.h"
+#include "base/log.h"
+#include "store/index.h"
+
+namespace prt {
+
+namespace {
+
+constexpr const char* kReportName = "report.json";
+constexpr const char* kPageName = "report.html";
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+/// What the finished tasks, found ones included, say about themselves.
+History with_figures(const History& history, const ReadResult& result) {
+  History full = history;
+  full.fill_figures([&](const std::string& task) {
+    const auto artifact = result(task);
+    return artifact ? figures_of(*artifact) : nlohmann::json::object();
+  });
+  return full;
+}
+
+class Results {
+ public:
+  Results(const BakeFacts& facts, const BakePlan& plan, const ReadResult& result,
+          const History& history, BakeFolder& folder, FileSystem& fs)
+      : facts_(facts), plan_(plan), result_(result), history_(history), folder_(folder), fs_(fs) {}
+
+  void write() {
+    encode();
+    const bool is_new = !same_package() || history_.made() > 0 || !fs_.size(file(kCompleteName)) ||
+                        !fs_.size(file(kReportName)) || !fs_.size(file(kIndexName));
+    if (is_new) {
+      fs_.remove(file(kCompleteName));
+      replace_file(fs_, file(package_name()), package_);
+      write_folder_index();
+      write_report();
+      replace_file(fs_, file(kCompleteName), bytes_of(marker()));
+    }
+    tell(is_new);
+  }
+
+ private:
+  [[nodiscard]] std::filesystem::path file(const std::string& name) const {
+    return folder_.path() / name;
+  }
+  [[nodiscard]] std::string package_name() const {
+    return folder_.path().filename().string() + ".prt.glb";
+  }
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - facts_.began).count();
+  }
+
+  void encode() {
+    Package package = facts_.config.method->assemble(result_, facts_.config.options);
+    package.scene = facts_.scene;
+    if (facts_.program.evaluator && !plan_.evaluation_results.empty()) {
+      const auto evaluated = result_(plan_.evaluation_results.front());
+      if (evaluated) package.error = facts_.program.evaluator->error(*evaluated);
+    }
+    error_ = package.error;
+    package_ = facts_.program.encode_package(package);
+    content_ = hash_bytes(package_);
+  }
+
+  bool same_package() {
+    if (fs_.size(file(package_name())) != package_.size()) return false;
+    return hash_bytes(fs_.read(file(package_name()))) == content_;
+  }
+
+  void write_folder_index() {
+    std::vector<IndexEntry> entries;
+    for (const TaskHistory& task : history_.tasks()) {
+      if (folder_.store().bytes(task.stage, task.key) == 0) continue;  // let go
+      entries.push_back({task.task, task.stage, task.key});
+    }
+    write_index(fs_, folder_.path(), entries);
+  }
+
+  void write_report() {
+    double cpu_seconds = 0.0;
+    for (const TaskHistory& task : history_.tasks()) {
+      if (task.made) cpu_seconds += task.cost.cpu_seconds;
+    }
+    const nlohmann::json error = error_.empty() ? nlohmann::json(nullptr) : error_;
+    const ReportFacts facts{facts_.config,   facts_.scene,   plan_.all, error,       package_name(),
+                            package_.size(), content_,       seconds(), cpu_seconds, facts_.ranks,
+                            facts_.hosts,    facts_.threads, facts_.isa};
+    const nlohmann::json report = make_report(facts, with_figures(history_, result_));
+    constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+    replace_file(fs_, file(kReportName), bytes_of(report.dump(2, ' ', false, kReplace) + "\n"));
+    replace_file(fs_, file(kPageName), bytes_of(report_page(report)));
+  }
+
+  [[nodiscard]] std::string marker() const {
+    return nlohmann::json{{"package", package_name()},
+                          {"package_content", content_.hex()},
+                          {"tasks", history_.tasks().size()}}
+               .dump() +
+           "\n";
+  }
+
+  void tell(bool is_new) const {
+    const std::size_t all = history_.tasks().size();
+    if (!is_new) {
+      log::info("already done: all {} artifacts are sound and {} is unchanged ({:.1f} s)", all,
+                file(package_name()).string(), seconds());
+      return;
+    }
+    constexpr double kMega = 1e6;
+    log::info("done: {} ({:.1f} MB); {} tasks made, {} found, {:.1f} s",
+              file(package_name()).string(), static_cast<double>(package_.size()) / kMega,
+              history_.made(), all - history_.made(), seconds());
+  }
+
+  const BakeFacts& facts_;
+  const BakePlan& plan_;
+  const ReadResult& result_;
+  const History& history_;
+  BakeFolder& folder_;
+  FileSystem& fs_;
+  std::vector<std::byte> package_;
+  Digest content_;
+  nlohmann::json error_ = nlohmann::json::object();
+};
+
+}  // namespace
+
+void write_results(const BakeFacts& facts, const BakePlan& plan, const ReadResult& result,
+                   const History& history, BakeFolder& folder, FileSystem& fs) {
+  Results(facts, plan, result, history, folder, fs).write();
+}
+
+void write_trace(FileSystem& fs, const std::filesystem::path& file, const History& history) {
+  replace_file(fs, file, bytes_of(chrome_trace(history.tasks())));
+}
+
+}  // namespace prt

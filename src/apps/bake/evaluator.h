@@ -1,0 +1,25 @@
+// How a bake measures its own error: extra tasks beside the method's.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "methods/method.h"
+
+namespace prt {
+
+class Evaluator {
+ public:
+  virtual ~Evaluator() = default;
+  /// Its tasks, given what the method has planned so far. Complete only if the method's plan is.
+  [[nodiscard]] virtual Plan plan(const OptionValues& options, const Plan& method_plan) const = 0;
+  [[nodiscard]] virtual std::vector<std::string> kinds() const = 0;
+  [[nodiscard]] virtual Artifact run(const TaskSpec& task, const TaskReader& reader,
+                                     const Method& method, const OptionValues& options) const = 0;
+  /// The error of the bake, as it goes into package and report, from the artifact of its last task
+  /// (Plan::results).
+  [[nodiscard]] virtual nlohmann::json error(const Artifact& result) const = 0;
+};
+
+}  // namespace prt

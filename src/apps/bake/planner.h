@@ -1,0 +1,56 @@
+// Plans a bake: the method's tasks and those that measure the bake's error, from the artifacts that
+// are there.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "apps/bake/bake.h"
+#include "apps/bake/input_cache.h"
+#include "jobs/protocol.h"
+#include "store/artifact_store.h"
+
+namespace prt {
+
+/// Where the artifact of a finished task lies; empty while the task is not finished.
+using FindResult = std::function<std::optional<TaskInput>(const std::string& task)>;
+
+/// Thrown by planning when the artifact of a finished task cannot be trusted.
+class ResultDistrusted : public std::runtime_error {
+ public:
+  ResultDistrusted(std::string id, const std::string& why)
+      : std::runtime_error(why), task(std::move(id)) {}
+  std::string task;
+};
+
+struct BakePlan {
+  Plan all;                                     ///< method and evaluation together
+  std::vector<std::string> evaluation_results;  ///< of Evaluator::plan; empty: none
+};
+
+class Planner {
+ public:
+  Planner(const BakeProgram& program, const Method& method, const OptionValues& options,
+          const Scene& scene, const ArtifactStore& store);
+
+  /// Throws ResultDistrusted.
+  BakePlan plan(const FindResult& find);
+  /// Tasks whose artifacts planning has looked at: they must stay on disk.
+  [[nodiscard]] const std::set<std::string>& read_tasks() const { return read_; }
+  /// The artifact of a finished task, null for one that is not; throws ResultDistrusted.
+  std::shared_ptr<const Artifact> read(const std::string& task, const FindResult& find);
+
+ private:
+  class Inputs;
+  const BakeProgram& program_;
+  const Method& method_;
+  const OptionValues& options_;
+  const Scene& scene_;
+  InputCache cache_;
+  std::set<std::string> read_;
+};
+
+}  // namespace prt

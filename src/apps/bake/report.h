@@ -1,0 +1,38 @@
+// report.json and report.html: what was made, what was left out and why, what it took and how wrong
+// it is. The only results, beside the manifest, that hold time and host.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/bake/cpu_share.h"
+#include "apps/bake/history.h"
+#include "apps/config/config.h"
+#include "methods/method.h"
+
+namespace prt {
+
+/// What the report tells beside the tasks' own history.
+struct ReportFacts {
+  const BakeConfig& config;
+  const Scene& scene;
+  const Plan& plan;
+  nlohmann::json error;  ///< measured error of the bake; null: not measured
+  std::string package;   ///< file name
+  std::uint64_t package_bytes = 0;
+  Digest package_content;
+  double wall_seconds = 0.0;  ///< of this run
+  double cpu_seconds = 0.0;   ///< of this run, all ranks' tasks
+  int ranks = 1;
+  std::vector<std::string> hosts;  ///< one per rank
+  int threads = 1;                 ///< of all ranks together
+  std::string isa;
+};
+
+nlohmann::json make_report(const ReportFacts& facts, const History& history);
+
+/// A self-contained page that shows the same.
+std::string report_page(const nlohmann::json& report);
+
+}  // namespace prt

@@ -1,0 +1,53 @@
+#include "apps/prt_bake_evaluator.h"
+
+#include <algorithm>
+#include <map>
+
+#include "evaluate/bake_evaluation.h"
+#include "methods/common/sampling.h"
+
+namespace prt {
+
+namespace {
+
+constexpr const char* kEvaluateKind = "evaluate";
+
+class BakeEvaluator : public Evaluator {
+ public:
+  [[nodiscard]] Plan plan(const OptionValues& options, const Plan& method_plan) const override {
+    const auto is_samples = [](const TaskSpec& task) { return task.id == kSamplesTask; };
+    if (std::ranges::none_of(method_plan.tasks, is_samples)) return {};
+    Plan plan = plan_evaluation(options, kSamplesTask,
+                                method_plan.complete ? &method_plan.results : nullptr);
+    // The package that is judged depends on options, too, not on artifacts alone.
+    for (TaskSpec& task : plan.tasks) {
+      if (task.kind == kEvaluateKind) task.parameters["options"] = options.all();
+    }
+    return plan;
+  }
+
+  [[nodiscard]] std::vector<std::string> kinds() const override { return evaluation_kinds(); }
+
+  [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader, const Method& method,
+                             const OptionValues& options) const override {
+    if (task.kind != kEvaluateKind) return run_reference(task, reader);
+    std::map<std::string, std::size_t> places;
+    const std::size_t first = task.parameters.at("references");
+    for (std::size_t i = first; i < task.inputs.size(); ++i) places[task.inputs[i]] = i;
+    const auto result = [&](const std::string& id) -> std::shared_ptr<const Artifact> {
+      const auto place = places.find(id);
+      return place == places.end() ? nullptr : reader.input(place->second);
+    };
+    return run_evaluate(task, reader, method.assemble(result, options));
+  }
+
+  [[nodiscard]] nlohmann::json error(const Artifact& result) const override {
+    return summarise(result);
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<const Evaluator> make_bake_evaluator() { return std::make_shared<BakeEvaluator>(); }
+
+}  // namespace prt

@@ -1,0 +1,114 @@
+#include "apps/prt_eval_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace prt {
+namespace {
+
+/// What the parser fills in, before it is checked as a whole.
+struct Words {
+  std::string package, reference, points, output, json;
+  std::vector<std::string> lights;
+  float clearance = 0.0F;
+};
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw UserError("command line: " + why + "; prt_eval --help shows the three forms");
+}
+
+/// Options that belong to one form only are refused in the others rather than ignored.
+void check_form(const CLI::App& app, const Words& words) {
+  const auto given = [&](const char* option) { return app.count(option) > 0; };
+  if (words.package.empty() == words.reference.empty()) {
+    refuse("give either a package or --reference SCENE");
+  }
+  if (!words.reference.empty() && words.points.empty())
+    refuse("--reference needs --points FILE.csv");
+  if (words.points.empty()) {
+    for (const char* option : {"--light", "--output"}) {
+      if (given(option)) refuse(std::string(option) + " needs --points FILE.csv");
+    }
+    return;
+  }
+  if (words.output.empty()) refuse("--points needs -o OUT.csv");
+  if (words.lights.empty()) refuse("--points needs at least one --light SPEC");
+  for (const char* option : {"--lights", "--clearance", "--json"}) {
+    if (given(option)) refuse(std::string(option) + " does not go with --points");
+  }
+  if (words.reference.empty()) {
+    for (const char* option : {"--spp", "--seed"}) {
+      if (given(option)) refuse(std::string(option) + " has no use here: nothing is path traced");
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string& message) {
+  EvalCommand command;
+  Words words;
+  CLI::App app{"Says how wrong a package is: its error against a path-traced reference.",
+               "prt_eval"};
+  app.add_option("PACKAGE", words.package, "runtime package (.prt.glb)");
+  app.add_option("--lights", command.lights, "test lights")
+      ->check(CLI::Range(1, 100'000))
+      ->type_name("N");
+  app.add_option("--seed", command.seed, "seed of test lights, test points and paths")
+      ->type_name("S");
+  app.add_option("--spp", command.paths, "paths per point and light")
+      ->check(CLI::Range(2, 1'000'000))
+      ->type_name("N");
+  auto* clearance = app.add_option("--clearance", words.clearance,
+                                   "distance of test lights from every surface, m (default: 2 % of "
+                                   "the samples' diagonal)")
+                        ->check(CLI::NonNegativeNumber)
+                        ->type_name("M");
+  app.add_option("--json", words.json, "write the figures as JSON; - for standard output")
+      ->type_name("FILE");
+  app.add_option("--points", words.points, "points x,y,z,nx,ny,nz at which irradiance is asked for")
+      ->type_name("FILE.csv");
+  app.add_option("--light", words.lights,
+                 "a light: point:x,y,z:r,g,b | sphere:x,y,z:r,g,b:radius | "
+                 "spot:x,y,z:dx,dy,dz:r,g,b:inner_deg,outer_deg | "
+                 "quad:cx,cy,cz:ux,uy,uz:vx,vy,vz:r,g,b | sun:dx,dy,dz:r,g,b")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->type_name("SPEC");
+  app.add_option("--reference", words.reference, "path trace this scene (.glb or .gltf)")
+      ->type_name("SCENE");
+  app.add_option("-o,--output", words.output, "points with their irradiance, W/m²")
+      ->type_name("OUT.csv");
+  app.footer(
+      "Three forms:\n"
+      "  prt_eval PACKAGE [--lights N] [--seed S] [--spp N] [--clearance M] [--json FILE]\n"
+      "  prt_eval PACKAGE --points FILE.csv --light SPEC... -o OUT.csv\n"
+      "  prt_eval --reference SCENE --points FILE.csv --light SPEC... [--spp N] [--seed S] -o "
+      "OUT.csv\n"
+      "Exit codes: 0 done, 2 bad command line or input, 1 anything else.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    message = app.help();
+    return std::nullopt;
+  } catch (const CLI::ParseError& e) {
+    std::string why = e.what();
+    std::ranges::replace(why, '\n', ' ');
+    refuse(why);
+  }
+  check_form(app, words);
+  command.form = words.points.empty()      ? EvalCommand::Form::kError
+                 : words.reference.empty() ? EvalCommand::Form::kPlayPoints
+                                           : EvalCommand::Form::kTracePoints;
+  command.input = words.reference.empty() ? words.package : words.reference;
+  if (clearance->count() > 0) command.clearance = words.clearance;
+  command.json = words.json;
+  command.points = words.points;
+  command.output = words.output;
+  for (const std::string& spec : words.lights) command.point_lights.push_back(parse_light(spec));
+  return command;
+}
+
+}  // namespace prt

@@ -1,0 +1,156 @@
+#include "apps/prt_eval_error.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "base/atomic_file.h"
+#include "evaluate/compare.h"
+#include "evaluate/reference.h"
+#include "package/read.h"
+#include "scene/embree/embree_ray_caster.h"
+#include "transport/free_space.h"
+
+namespace prt {
+namespace {
+
+using nlohmann::json;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// One line on a terminal that says how far the lights are; nothing elsewhere.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::size_t lights) : lights_(lights), shown_(isatty(STDERR_FILENO) != 0) {}
+  ~ProgressLine() {
+    if (shown_) std::fputs("\r\033[K", stderr);
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  void light(std::size_t number) const {
+    if (!shown_) return;
+    std::fputs(fmt::format("\rtest light {} of {}", number + 1, lights_).c_str(), stderr);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::size_t lights_;
+  bool shown_;
+};
+
+struct Measured {
+  std::vector<LightErrors> lights;
+  std::vector<double> play_ms;
+  double reference_seconds = 0.0;
+  double paths = 0.0;
+};
+
+Measured measure(const Package& package, const ReferenceSettings& settings, std::size_t lights) {
+  const auto caster = make_embree_ray_caster(package.scene);
+  const SenderSearch search(package.samples);
+  const Evaluator player(package);
+  const ReferenceInputs inputs{package.scene, *caster, package.samples, search};
+  Measured measured;
+  const ProgressLine progress(lights);
+  for (std::size_t k = 0; k < lights; ++k) {
+    progress.light(k);
+    const auto start = std::chrono::steady_clock::now();
+    const LightReference reference = trace_reference(inputs, settings, k, 0, [] {});
+    measured.reference_seconds += seconds_since(start);
+    measured.paths += static_cast<double>(settings.paths) *
+                      static_cast<double>(reference.at_samples.points.size() +
+                                          reference.on_surface.points.size());
+    const auto before_play = std::chrono::steady_clock::now();
+    static_cast<void>(player.evaluate({&reference.light, 1}));
+    measured.play_ms.push_back(1000.0 * seconds_since(before_play));
+    measured.lights.push_back(compare(player, reference));
+    if (const auto bad = measured.lights.back().not_finite(); bad > 0) {
+      throw std::runtime_error(
+          fmt::format("{} values of test light {} are not finite; the package or the reference is "
+                      "wrong",
+                      bad, k));
+    }
+  }
+  return measured;
+}
+
+/// "bake_seconds" of the report beside the package; null where there is none.
+json bake_seconds(const std::filesystem::path& package) {
+  std::ifstream in(package.parent_path() / "report.json");
+  const json report = json::parse(in, nullptr, false);
+  if (!report.is_object()) return nullptr;
+  const auto found = report.find("bake_seconds");
+  return found != report.end() && found->is_number() ? *found : json(nullptr);
+}
+
+std::string percent(const json& value) {
+  return value.is_number() ? fmt::format("{:.2f} %", 100.0 * value.get<double>()) : "-";
+}
+
+void print_row(const char* name, const json& figures) {
+  fmt::print("  {:<22}{:>10}{:>10}{:>10}{:>12}{:>12}{:>10}\n", name, percent(figures["rel_rmse"]),
+             percent(figures["rel_rmse_light"]["median"]),
+             percent(figures["rel_rmse_light"]["p95"]), percent(figures["standard_error"]),
+             percent(figures["light_error"]), percent(figures["negative_share"]));
+}
+
+void print_table(const json& report) {
+  fmt::print("{} test lights, {} points at samples and on the surface, {} paths each, seed {}\n\n",
+             report["lights"].get<std::size_t>(), report["points"].get<std::size_t>(),
+             report["spp"].get<int>(), report["seed"].get<std::uint64_t>());
+  fmt::print("  {:<22}{:>10}{:>10}{:>10}{:>12}{:>12}{:>10}\n", "relative RMS error", "pooled",
+             "median", "95th", "noise", "lights", "negative");
+  print_row("indirect, samples", report["indirect"]);
+  print_row("indirect, surface", report["indirect"]["surface"]);
+  print_row("direct, samples", report["direct"]);
+  print_row("direct, surface", report["direct"]["surface"]);
+  fmt::print("\n  visibility: wrong {}, soft {}, weighted {}\n",
+             percent(report["visibility_error"]), percent(report["visibility_error_soft"]),
+             percent(report["visibility_error_weighted"]));
+  fmt::print("  surface that no sample reaches: {}\n", percent(report["unreached_share"]));
+  const json& bake = report["bake_seconds"];
+  fmt::print("  package {:.2f} MB, player {:.1f} ms per light, bake {}\n",
+             report["package_bytes"].get<double>() / 1e6, report["play_ms"].get<double>(),
+             bake.is_number() ? fmt::format("{:.1f} s", bake.get<double>()) : "time not known");
+}
+
+}  // namespace
+
+void report_package_error(const EvalCommand& command) {
+  const Package package = read_package(command.input);
+  ReferenceSettings settings;
+  settings.seed = command.seed;
+  settings.paths = command.paths;
+  settings.clearance =
+      command.clearance.value_or(kTestClearance * samples_diagonal(package.samples));
+  const Measured measured = measure(package, settings, command.lights);
+  json report = error_report(measured.lights);
+  report["seed"] = command.seed;
+  report["spp"] = command.paths;
+  report["points"] = settings.points;
+  report["clearance"] = settings.clearance;
+  report["package_bytes"] = std::filesystem::file_size(command.input);
+  report["bake_seconds"] = bake_seconds(command.input);
+  report["play_ms"] = quantile(measured.play_ms, 0.5);
+  report["reference_seconds"] = measured.reference_seconds;
+  report["reference_paths_per_second"] = measured.paths / measured.reference_seconds;
+  if (command.json.empty()) {
+    print_table(report);
+    return;
+  }
+  const std::string text = report.dump(2) + "\n";
+  if (command.json == "-")
+    std::fputs(text.c_str(), stdout);
+  else
+    write_file_atomically(command.json, std::as_bytes(std::span(text)));
+}
+
+}  // namespace prt

@@ -1,0 +1,258 @@
+#include "jobs/coordinator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "graph.h"
+
+namespace prt {
+namespace {
+
+using test::content_of;
+using test::done;
+using test::make_task;
+using test::only;
+
+/// A coordinator whose invariants are checked after every event.
+class Checked {
+ public:
+  explicit Checked(KnownContents known = {}, double lease = 0.0)
+      : coordinator({{}, lease}, std::move(known)) {}
+
+  std::vector<Command> operator()(const Event& event) {
+    auto commands = coordinator.handle(event);
+    coordinator.check_invariants();
+    return commands;
+  }
+
+  Coordinator coordinator;
+};
+
+std::vector<std::string> assigned(const std::vector<Command>& commands) {
+  std::vector<std::string> ids;
+  for (const Assign& a : only<Assign>(commands)) ids.push_back(a.assignment.task.id);
+  return ids;
+}
+
+TEST(Coordinator, HandsOutTheLongestFirstAndTiesById) {
+  Checked c;
+  c(WorkerJoined{0, 3});
+  const auto commands = c(TasksAdded{{make_task("b", {}, 2), make_task("a", {}, 2),
+                                      make_task("long", {}, 9), make_task("short", {}, 1)},
+                                     true});
+  EXPECT_THAT(assigned(commands), testing::ElementsAre("long", "a", "b"));
+}
+
+TEST(Coordinator, GivesWorkToTheFreestWorker) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(WorkerJoined{1, 2});
+  const auto commands = c(TasksAdded{{make_task("a"), make_task("b")}, true});
+  const auto assigns = only<Assign>(commands);
+  ASSERT_EQ(assigns.size(), 2U);
+  EXPECT_EQ(assigns[0].worker, 1);
+  EXPECT_EQ(assigns[1].worker, 0);
+}
+
+TEST(Coordinator, StartsATaskOnlyWhenItsInputsAreDoneAndTellsTheirContents) {
+  Checked c;
+  c(WorkerJoined{0, 4});
+  const auto first = only<Assign>(c(TasksAdded{{make_task("b", {"a"}), make_task("a")}, true}));
+  ASSERT_EQ(first.size(), 1U);
+  const auto second = only<Assign>(c(done(0, first[0].assignment)));
+  ASSERT_EQ(second.size(), 1U);
+  const Assignment& b = second[0].assignment;
+  ASSERT_EQ(b.inputs.size(), 1U);
+  EXPECT_EQ(b.inputs[0].content, content_of(first[0].assignment.key));
+  EXPECT_EQ(b.key, task_key(b.task, {b.inputs[0].content}, {}));
+}
+
+TEST(Coordinator, SaysStageDoneThenAllDone) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(c(TasksAdded{{make_task("a")}, false}))[0];
+  EXPECT_EQ(only<StageDone>(c(done(0, a.assignment))).size(), 1U);
+  EXPECT_TRUE(c(Tick{1.0}).empty());  // said once
+  const auto b = only<Assign>(c(TasksAdded{{make_task("a"), make_task("b", {"a"})}, true}))[0];
+  EXPECT_EQ(only<AllDone>(c(done(0, b.assignment))).size(), 1U);
+}
+
+TEST(Coordinator, ACompletePlanWithoutTasksIsDoneAtOnce) {
+  Checked c;
+  EXPECT_EQ(only<AllDone>(c(TasksAdded{{}, true})).size(), 1U);
+}
+
+TEST(Coordinator, PassesOnWhatAnEarlierRunKnew) {
+  const TaskSpec a = make_task("a");
+  const Digest key = task_key(a, {}, {});
+  Checked c(KnownContents{{key, content_of(key)}});
+  c(WorkerJoined{0, 1});
+  const auto assign = only<Assign>(c(TasksAdded{{a}, true}))[0];
+  EXPECT_EQ(assign.assignment.expected, content_of(key));
+  const auto record = only<Record>(c(done(0, assign.assignment, true)));
+  ASSERT_EQ(record.size(), 1U);
+  EXPECT_TRUE(record[0].known);
+}
+
+TEST(Coordinator, ASecondReportOfATaskIsHarmless) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(WorkerJoined{1, 1});
+  const auto a = only<Assign>(c(TasksAdded{{make_task("a")}, false}))[0];
+  EXPECT_EQ(only<Record>(c(done(a.worker, a.assignment))).size(), 1U);
+  EXPECT_TRUE(c(done(1, a.assignment)).empty());
+}
+
+TEST(Coordinator, TwoResultsForOneKeyStopTheBake) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(c(TasksAdded{{make_task("a")}, false}))[0];
+  c(done(0, a.assignment));
+  TaskDone other = done(0, a.assignment);
+  other.content = hash_text("something else");
+  const auto fail = only<Fail>(c(other));
+  ASSERT_EQ(fail.size(), 1U);
+  EXPECT_THAT(fail[0].message, testing::HasSubstr("determinism"));
+  EXPECT_FALSE(fail[0].user_error);
+}
+
+TEST(Coordinator, AResultThatDiffersFromTheManifestStopsTheBake) {
+  const TaskSpec a = make_task("a");
+  const Digest key = task_key(a, {}, {});
+  Checked c(KnownContents{{key, hash_text("what it was")}});
+  c(WorkerJoined{0, 1});
+  const auto assign = only<Assign>(c(TasksAdded{{a}, true}))[0];
+  EXPECT_EQ(only<Fail>(c(done(0, assign.assignment))).size(), 1U);
+}
+
+TEST(Coordinator, ALostWorkersTasksGoToOthers) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(c(TasksAdded{{make_task("a")}, true}))[0];
+  EXPECT_TRUE(assigned(c(WorkerLost{0})).empty());
+  const auto again = only<Assign>(c(WorkerJoined{1, 1}));
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].assignment.key, a.assignment.key);
+  // The lost one comes back with its result: taken, and the other's is a duplicate.
+  EXPECT_EQ(only<AllDone>(c(done(0, a.assignment))).size(), 1U);
+  EXPECT_TRUE(c(done(1, a.assignment)).empty());
+}
+
+TEST(Coordinator, ASilentWorkersLeaseRunsOut) {
+  Checked c({}, 10.0);
+  c(Tick{100.0});
+  c(WorkerJoined{0, 1});
+  c(TasksAdded{{make_task("a")}, true});
+  c(WorkerJoined{1, 1});
+  c(Tick{108.0});
+  c(Heartbeat{1});
+  EXPECT_TRUE(assigned(c(Tick{110.0})).empty());
+  EXPECT_THAT(assigned(c(Tick{110.5})), testing::ElementsAre("a"));
+}
+
+TEST(Coordinator, ABadInputIsMadeAgainAndItsReadersWait) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(
+      c(TasksAdded{{make_task("a"), make_task("b", {"a"}), make_task("c", {"a"})}, true}))[0];
+  const auto b = only<Assign>(c(done(0, a.assignment)))[0];
+  EXPECT_EQ(b.assignment.task.id, "b");
+  const auto again = only<Assign>(c(InputUnsound{0, "b", "a"}));
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].assignment.task.id, "a");
+  EXPECT_EQ(again[0].assignment.expected, content_of(a.assignment.key));
+  const auto commands = c(done(0, again[0].assignment));
+  EXPECT_TRUE(only<Record>(commands).empty());  // the manifest has it
+  EXPECT_THAT(assigned(commands), testing::ElementsAre("b"));
+}
+
+TEST(Coordinator, GivesUpOnAnInputThatNeverReads) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  auto commands = c(TasksAdded{{make_task("a"), make_task("b", {"a"})}, true});
+  for (int round = 0; only<Fail>(commands).empty(); ++round) {
+    ASSERT_LT(round, 10);
+    const auto assign = only<Assign>(commands).at(0);
+    const bool is_a = assign.assignment.task.id == "a";
+    commands = is_a ? c(done(0, assign.assignment)) : c(InputUnsound{0, "b", "a"});
+  }
+  EXPECT_THAT(only<Fail>(commands)[0].message, testing::HasSubstr("disk"));
+}
+
+TEST(Coordinator, TheOrderOfPlanningCanComeBackForABadResult) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(c(TasksAdded{{make_task("a")}, false}))[0];
+  c(done(0, a.assignment));
+  const auto again = only<Assign>(c(ResultUnsound{"a"}));
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(only<StageDone>(c(done(0, again[0].assignment))).size(), 1U);
+}
+
+TEST(Coordinator, AFailedTaskEndsTheBakeWithItsMessage) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(TasksAdded{{make_task("a"), make_task("b")}, true});
+  const auto commands = c(TaskFailed{0, "a", "room.glb: no free space; move samples.start", true});
+  ASSERT_EQ(only<Fail>(commands).size(), 1U);
+  EXPECT_TRUE(only<Fail>(commands)[0].user_error);
+  EXPECT_EQ(only<Fail>(commands)[0].message, "room.glb: no free space; move samples.start");
+  EXPECT_TRUE(assigned(commands).empty());
+}
+
+TEST(Coordinator, StoppingDismissesEverybodyAndHandsOutNothing) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(WorkerJoined{1, 1});
+  const auto a =
+      only<Assign>(c(TasksAdded{{make_task("a"), make_task("b"), make_task("c")}, true}))[0];
+  EXPECT_EQ(only<Dismiss>(c(StopRequested{ExitCode::kInterrupted})).size(), 2U);
+  const auto commands = c(done(a.worker, a.assignment));
+  EXPECT_EQ(only<Record>(commands).size(), 1U);  // late results still count
+  EXPECT_TRUE(only<Assign>(commands).empty());
+}
+
+TEST(Coordinator, ATaskWhoseArtifactWasLetGoIsDoneUntilSomebodyReadsIt) {
+  const TaskSpec a = make_task("a");
+  const Digest key = task_key(a, {}, {});
+  Coordinator c({{}, 0.0, {key}}, {{key, content_of(key)}});
+  (void)c.handle(WorkerJoined{0, 1});
+  const auto b = only<Assign>(c.handle(TasksAdded{{a, make_task("b", {"a"})}, true})).at(0);
+  EXPECT_EQ(b.assignment.task.id, "b");
+  const auto again = only<Assign>(c.handle(InputUnsound{0, "b", "a"}));
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(again[0].assignment.task.id, "a");
+  c.check_invariants();
+}
+
+TEST(Coordinator, RefusesBrokenPlans) {
+  const auto fails = [](std::vector<TaskSpec> tasks) {
+    Coordinator c({}, {});
+    return only<Fail>(c.handle(TasksAdded{std::move(tasks), true})).size() == 1;
+  };
+  EXPECT_TRUE(fails({make_task("a", {"nobody"})}));
+  EXPECT_TRUE(fails({make_task("a", {"b"}), make_task("b", {"a"})}));
+  EXPECT_TRUE(fails({make_task("a", {"a"})}));
+  TaskSpec other = make_task("a");
+  other.parameters["more"] = 1;
+  EXPECT_TRUE(fails({make_task("a"), other}));
+}
+
+TEST(Coordinator, CountsProgressByStage) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(c(
+      TasksAdded{{make_task("rays/0", {}, 2), make_task("rays/1"), make_task("pca/0")}, true}))[0];
+  c(done(0, a.assignment, true));
+  const auto progress = c.coordinator.progress();
+  ASSERT_EQ(progress.size(), 2U);
+  EXPECT_EQ(progress[0].first, "rays");
+  EXPECT_EQ(progress[0].second.total, 2U);
+  EXPECT_EQ(progress[0].second.done, 1U);
+  EXPECT_EQ(progress[0].second.adopted, 1U);
+  EXPECT_DOUBLE_EQ(progress[0].second.cost_done, 2.0);
+  EXPECT_EQ(c.coordinator.undone(), 2U);
+}
+
+}  // namespace
+}  // namespace prt
