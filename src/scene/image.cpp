@@ -39,7 +39,8 @@ void decode_image(std::vector<std::byte> encoded, const Value& where, Texture& t
   int height = 0;
   int channels = 0;
   if (stbi_info_from_memory(bytes, size, &width, &height, &channels) == 0) {
-    where.fail("the image is neither a PNG nor a JPEG, or it is damaged");
+    where.fail(fmt::format("the image is neither a PNG nor a JPEG, or it is damaged ({})",
+                           stbi_failure_reason()));
   }
   const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
   if (pixels == 0 || pixels > kMaxPixels ||
