@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/atomic_file.h"
 #include "base/error.h"
 
 namespace prt {
@@ -94,19 +95,7 @@ void write_points_csv(const std::filesystem::path& file, std::span<const Receive
       for (int c = 0; c < 3; ++c) text += cell(rows[r][c]) + (r == 3 && c == 2 ? "\n" : ",");
     }
   }
-  auto temporary = file;
-  temporary += ".partial";
-  std::ofstream out(temporary, std::ios::binary);
-  out << text;
-  out.close();
-  std::error_code failure;
-  if (out) std::filesystem::rename(temporary, file, failure);
-  if (!out || failure) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw UserError(
-        fmt::format("{}: cannot be written; is the folder there and writable?", file.string()));
-  }
+  write_file_atomically(file, std::as_bytes(std::span(text)));
 }
 
 }  // namespace prt
