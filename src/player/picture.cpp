@@ -1,0 +1,193 @@
+#include "player/picture.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "player/tone.h"
+
+namespace prt {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+/// Linear; a calm dark blue that no lit surface has.
+const Vec3f kBackground(0.010F, 0.013F, 0.020F);
+const Vec3f kUnlitColour(0.12F, 0.01F, 0.01F);
+
+/// The surfaces that the picture's samples see, in picture order without those that see none.
+struct Surfaces {
+  std::vector<std::uint32_t> place;  ///< in the picture
+  std::vector<PlayPoint> points;
+  std::vector<Vec3f> albedo;
+};
+
+/// The shading normal at a fragment, on the side of the geometric one.
+Vec3f shading_normal(const Scene& scene, const Fragment& fragment, const SurfacePoint& surface) {
+  const auto& vertex = scene.triangles[fragment.triangle].vertex;
+  const Vec3f blended = (1.0F - fragment.u - fragment.v) * scene.normals[vertex[0]] +
+                        fragment.u * scene.normals[vertex[1]] +
+                        fragment.v * scene.normals[vertex[2]];
+  const float length = blended.norm();
+  if (!(length > 1e-3F)) return surface.normal;
+  const Vec3f normal = (surface.front ? 1.0F : -1.0F) / length * blended;
+  return normal.dot(surface.normal) > 0.0F ? normal : surface.normal;
+}
+
+Surfaces surfaces_of(const Scene& scene, const Vec3f& eye, const FragmentImage& image,
+                     unsigned threads) {
+  Surfaces surfaces;
+  for (std::uint32_t i = 0; i < image.fragments.size(); ++i) {
+    if (image.fragments[i].triangle != kNone) surfaces.place.push_back(i);
+  }
+  surfaces.points.resize(surfaces.place.size());
+  surfaces.albedo.resize(surfaces.place.size());
+  parallel_for(surfaces.place.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Fragment& f = image.fragments[surfaces.place[i]];
+      const Vec3f position = triangle_point(scene, f.triangle, f.u, f.v);
+      const SurfacePoint surface =
+          surface_at(scene, {eye, (position - eye).normalized()}, {f.triangle, 0.0F, f.u, f.v});
+      surfaces.points[i] = {surface.position, surface.normal, shading_normal(scene, f, surface)};
+      surfaces.albedo[i] = albedo_at(scene, f.triangle, f.u, f.v);
+    }
+  });
+  return surfaces;
+}
+
+/// A colour for each cluster, far from its neighbours' by the golden ratio.
+Vec3f cluster_colour(std::uint32_t cluster) {
+  const float hue = std::fmod(0.618034F * static_cast<float>(cluster), 1.0F);
+  Vec3f colour;
+  for (int channel = 0; channel < 3; ++channel) {
+    const float phase = hue + static_cast<float>(channel) / 3.0F;
+    colour[channel] = 0.5F + 0.45F * std::cos(2.0F * kPi * phase);
+  }
+  return cluster % 2 == 0 ? colour : Vec3f(0.45F * colour);
+}
+
+std::vector<Vec3f> cluster_colours(const Evaluator& evaluator, const Surfaces& surfaces,
+                                   const Vec3f& eye, unsigned threads) {
+  const auto cluster_of = evaluator.package().samples.cluster_of_sample();
+  std::vector<Vec3f> colours(surfaces.points.size(), Vec3f::Zero());
+  parallel_for(colours.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
+    std::vector<SplatWeight> weights;
+    for (std::size_t i = begin; i < end; ++i) {
+      const PlayPoint& point = surfaces.points[i];
+      evaluator.splats().weights_at(point.position, point.normal, weights);
+      const auto heaviest = std::max_element(
+          weights.begin(), weights.end(),
+          [](const SplatWeight& a, const SplatWeight& b) { return a.weight < b.weight; });
+      if (heaviest == weights.end()) continue;
+      const float facing = std::abs(point.shading_normal.dot((eye - point.position).normalized()));
+      colours[i] = (0.4F + 0.6F * facing) * cluster_colour(cluster_of[heaviest->sample]);
+    }
+  });
+  return colours;
+}
+
+/// Sides of triangles that have samples: two flags per triangle, back and front.
+std::vector<bool> sampled_sides(const Package& package) {
+  std::vector<bool> sides(2 * package.scene.triangles.size(), false);
+  for (std::size_t i = 0; i < package.samples.size(); ++i) {
+    const std::uint32_t t = package.samples.triangles[i];
+    const bool front = triangle_normal(package.scene, t).dot(package.samples.normals[i]) > 0.0F;
+    sides[2 * t + (front ? 1 : 0)] = true;
+  }
+  return sides;
+}
+
+void count_unreached(const Package& package, const FragmentImage& image, const Surfaces& surfaces,
+                     const std::vector<PlayedIrradiance>& played, Picture& picture) {
+  const std::vector<bool> sides = sampled_sides(package);
+  picture.covered = played.size();
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    if (played[i].reached) continue;
+    ++picture.unreached;
+    const std::uint32_t t = image.fragments[surfaces.place[i]].triangle;
+    const bool front = triangle_normal(package.scene, t).dot(surfaces.points[i].normal) > 0.0F;
+    if (sides[2 * t + (front ? 1 : 0)]) ++picture.holes;
+  }
+}
+
+Vec3f clamped_radiance(const Vec3f& albedo, const Vec3f& irradiance) {
+  return albedo.cwiseProduct(irradiance).cwiseMax(0.0F) / kPi;
+}
+
+/// Display colours (linear, [0, 1]) of all surfaces.
+std::vector<Vec3f> tone_mapped(const Surfaces& surfaces,
+                               const std::vector<PlayedIrradiance>& played,
+                               const PictureSettings& settings, Picture& picture) {
+  std::vector<Vec3f> colours(played.size());
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    colours[i] = clamped_radiance(surfaces.albedo[i], played[i].direct + played[i].indirect);
+    if (!colours[i].allFinite()) ++picture.not_finite;
+  }
+  picture.exposure = settings.exposure ? *settings.exposure : own_exposure(colours);
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    if (settings.show == Show::kDirect) {
+      colours[i] = clamped_radiance(surfaces.albedo[i], played[i].direct);
+    } else if (settings.show == Show::kIndirect) {
+      colours[i] = clamped_radiance(surfaces.albedo[i], played[i].indirect);
+    }
+    const bool finite = colours[i].allFinite();
+    colours[i] = finite ? filmic(picture.exposure * colours[i]) : Vec3f::Zero();
+  }
+  return colours;
+}
+
+std::vector<Vec3f> visibility_colours(const std::vector<PlayedIrradiance>& played) {
+  std::vector<Vec3f> colours;
+  colours.reserve(played.size());
+  for (const PlayedIrradiance& p : played) {
+    colours.push_back(p.visibility == kUnlit ? kUnlitColour : Vec3f::Constant(p.visibility));
+  }
+  return colours;
+}
+
+/// Averages the samples of each pixel and stores them as sRGB.
+void store(const std::vector<Vec3f>& samples, int side, Picture& picture) {
+  const auto width = static_cast<std::size_t>(picture.width);
+  const auto across = static_cast<std::size_t>(side);
+  picture.rgb.resize(3 * width * static_cast<std::size_t>(picture.height));
+  for (std::size_t pixel = 0; 3 * pixel < picture.rgb.size(); ++pixel) {
+    Vec3f sum = Vec3f::Zero();
+    for (std::size_t k = 0; k < across * across; ++k) {
+      const std::size_t y = (pixel / width) * across + k / across;
+      const std::size_t x = (pixel % width) * across + k % across;
+      sum += samples[y * width * across + x];
+    }
+    for (int c = 0; c < 3; ++c) {
+      picture.rgb[3 * pixel + static_cast<std::size_t>(c)] =
+          srgb_byte(sum[c] / static_cast<float>(across * across));
+    }
+  }
+}
+
+}  // namespace
+
+Picture render(const Evaluator& evaluator, const SampleIrradiance& irradiance,
+               const SceneCamera& camera, const PictureSettings& settings) {
+  const Scene& scene = evaluator.package().scene;
+  Picture picture;
+  picture.width = settings.width;
+  picture.height = settings.height;
+  const int side = settings.samples_per_side;
+  const FragmentImage image =
+      rasterise(scene, camera, settings.width * side, settings.height * side, settings.threads);
+  const Surfaces surfaces = surfaces_of(scene, camera.eye, image, settings.threads);
+  const std::vector<PlayedIrradiance> played = evaluator.reconstruct(irradiance, surfaces.points);
+  count_unreached(evaluator.package(), image, surfaces, played, picture);
+  const std::vector<Vec3f> colours =
+      settings.show == Show::kClusters
+          ? cluster_colours(evaluator, surfaces, camera.eye, settings.threads)
+      : settings.show == Show::kVisibility ? visibility_colours(played)
+                                           : tone_mapped(surfaces, played, settings, picture);
+  std::vector<Vec3f> samples(image.fragments.size(), kBackground);
+  for (std::size_t i = 0; i < colours.size(); ++i) samples[surfaces.place[i]] = colours[i];
+  store(samples, side, picture);
+  return picture;
+}
+
+}  // namespace prt

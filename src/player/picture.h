@@ -1,0 +1,49 @@
+// Pictures of a played package, on the CPU.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "player/evaluator.h"
+#include "player/rasteriser.h"
+
+namespace prt {
+
+/// What a picture shows; parts have the exposure of the whole, so that they can be compared.
+enum class Show {
+  kFull,
+  kDirect,
+  kIndirect,
+  kVisibility,  ///< share of the first light that arrives; dark red where it shines from behind
+  kClusters     ///< cluster of the nearest sample, one colour each
+};
+
+struct PictureSettings {
+  int width = 1024;
+  int height = 768;
+  Show show = Show::kFull;
+  int samples_per_side = 1;       ///< of a pixel: its square is averaged
+  std::optional<float> exposure;  ///< factor on radiance; none: the picture's own
+  unsigned threads = 0;
+};
+
+struct Picture {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  ///< sRGB, top row first
+  float exposure = 1.0F;
+  std::size_t covered = 0;     ///< picture samples that see a surface
+  std::size_t unreached = 0;   ///< of them: no splat reaches the point; drawn black
+  std::size_t holes = 0;       ///< of those: on a side of a triangle that has samples
+  std::size_t not_finite = 0;  ///< with a value that is not finite; drawn black
+};
+
+/// Radiance of a Lambert surface, albedo/π · (direct + indirect), negative values clamped here and
+/// nowhere before; times exposure; through the filmic curve of Narkowicz (2015); as sRGB. The
+/// picture's own exposure puts the 90th percentile of its luminance at 0.6 before the curve.
+Picture render(const Evaluator& evaluator, const SampleIrradiance& irradiance,
+               const SceneCamera& camera, const PictureSettings& settings);
+
+}  // namespace prt

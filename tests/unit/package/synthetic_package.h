@@ -1,0 +1,30 @@
+// A small package whose answers are known in closed form: an empty box with samples on a grid on
+// its six walls, one cluster per wall.
+#pragma once
+
+#include "package/package.h"
+
+namespace prt::test {
+
+struct SyntheticRoom {
+  Vec3f size = Vec3f(4.0F, 3.0F, 5.0F);    ///< the box spans [0, size], seen from inside
+  int samples_per_edge = 12;               ///< per wall: its square
+  int directions = 64;                     ///< of the depth buffers; 0: no shadows
+  Vec3f albedo = Vec3f(0.5F, 0.5F, 0.5F);  ///< of the furnace-like transfer
+  std::uint32_t channels = 3;
+  int bits = 32;  ///< of the quantised matrices
+};
+
+/// Program e = direct light; c = integral of e over each cluster; i = ρ/(1−ρ) times the mean of e
+/// over the box; sum. Depth buffers hold the exact distance to the walls in full rank, so that
+/// nothing in the box is ever in shadow.
+Package synthetic_room(const SyntheticRoom& room = {});
+
+/// The room's geometry, with every feature that a package has to carry: two materials out of order,
+/// a textured alpha-masked quad in the middle, camera, point, spot and directional light.
+Scene rich_scene(const Vec3f& size);
+
+/// A PNG of 2 × 2 pixels: red, green, blue, white.
+std::vector<std::byte> tiny_png();
+
+}  // namespace prt::test
