@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kEvaluateKind = "evaluate";
 
-class BakeEvaluator : public Evaluator {
+class BakeEvaluator : public BakeErrorMeter {
  public:
   [[nodiscard]] Plan plan(const OptionValues& options, const Plan& method_plan) const override {
     const auto is_samples = [](const TaskSpec& task) { return task.id == kSamplesTask; };
@@ -48,6 +48,8 @@ class BakeEvaluator : public Evaluator {
 
 }  // namespace
 
-std::shared_ptr<const Evaluator> make_bake_evaluator() { return std::make_shared<BakeEvaluator>(); }
+std::shared_ptr<const BakeErrorMeter> make_bake_evaluator() {
+  return std::make_shared<BakeEvaluator>();
+}
 
 }  // namespace prt

@@ -7,6 +7,6 @@
 
 namespace prt {
 
-std::shared_ptr<const Evaluator> make_bake_evaluator();
+std::shared_ptr<const BakeErrorMeter> make_bake_evaluator();
 
 }  // namespace prt

@@ -18,7 +18,7 @@ namespace prt {
 struct BakeProgram {
   std::vector<const Method*> methods;
   /// Null: a bake does not measure its error.
-  std::shared_ptr<const Evaluator> evaluator;
+  std::shared_ptr<const BakeErrorMeter> evaluator;
   std::function<Scene(const std::filesystem::path&)> load_scene;
   std::function<std::unique_ptr<RayCaster>(const Scene&, const std::string& isa)> make_ray_caster;
   /// Highest instruction set of this machine, as make_ray_caster takes it.

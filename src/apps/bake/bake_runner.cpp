@@ -83,7 +83,7 @@ std::optional<Digest> BakeRunner::adopt(const Assignment& assignment) {
 }
 
 Artifact BakeRunner::make(const TaskSpec& task, const TaskReader& reader) const {
-  const Evaluator* evaluator = world_.program.evaluator.get();
+  const BakeErrorMeter* evaluator = world_.program.evaluator.get();
   if (evaluator != nullptr && std::ranges::count(evaluator->kinds(), task.kind) > 0) {
     return evaluator->run(task, reader, world_.method, world_.options);
   }

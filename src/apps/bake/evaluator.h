@@ -9,9 +9,9 @@
 
 namespace prt {
 
-class Evaluator {
+class BakeErrorMeter {
  public:
-  virtual ~Evaluator() = default;
+  virtual ~BakeErrorMeter() = default;
   /// Its tasks, given what the method has planned so far. Complete only if the method's plan is.
   [[nodiscard]] virtual Plan plan(const OptionValues& options, const Plan& method_plan) const = 0;
   [[nodiscard]] virtual std::vector<std::string> kinds() const = 0;

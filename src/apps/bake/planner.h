@@ -28,7 +28,7 @@ class ResultDistrusted : public std::runtime_error {
 
 struct BakePlan {
   Plan all;                                     ///< method and evaluation together
-  std::vector<std::string> evaluation_results;  ///< of Evaluator::plan; empty: none
+  std::vector<std::string> evaluation_results;  ///< of BakeErrorMeter::plan; empty: none
 };
 
 class Planner {
