@@ -1,0 +1,166 @@
+// prt_play: looks at a package.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/prt_play_command.h"
+#include "base/error.h"
+#include "base/image_file.h"
+#include "base/log.h"
+#include "package/read.h"
+#include "player/set_up.h"
+
+namespace prt {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Pixels of a picture that is kept are averaged over 2 × 2 samples.
+constexpr int kKeptSamples = 2;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Session {
+  const PlayCommand& command;
+  Package package;
+  Evaluator evaluator;
+  std::vector<Light> lights;
+  SceneCamera camera;
+
+  explicit Session(const PlayCommand& c)
+      : command(c),
+        package(read_package(c.package)),
+        evaluator(package, {.area_samples = c.area_samples, .threads = 0}),
+        lights(c.lights.empty() ? std::vector{default_light(evaluator)} : c.lights),
+        camera(c.camera ? *c.camera : default_camera(evaluator)) {}
+};
+
+nlohmann::json describe(const Session& session) {
+  return {{"backend", "cpu"},
+          {"samples", session.package.samples.size()},
+          {"clusters", session.package.samples.clusters()},
+          {"triangles", session.package.scene.triangles.size()},
+          {"lights", session.lights.size()},
+          {"package_bytes", std::filesystem::file_size(session.command.package)}};
+}
+
+/// One light change, timed.
+SampleIrradiance relight(const Session& session, std::vector<double>& times) {
+  const auto start = Clock::now();
+  SampleIrradiance irradiance = session.evaluator.evaluate(session.lights);
+  times.push_back(milliseconds_since(start));
+  return irradiance;
+}
+
+/// For the given time: light changes in one half, pictures in the other.
+void bench(const Session& session, nlohmann::json& report) {
+  const double budget = 500.0 * session.command.bench_seconds;
+  std::vector<double> play;
+  std::vector<double> draw;
+  auto start = Clock::now();
+  SampleIrradiance irradiance = relight(session, play);
+  while (milliseconds_since(start) < budget) irradiance = relight(session, play);
+  start = Clock::now();
+  do {
+    const auto frame = Clock::now();
+    static_cast<void>(
+        render(session.evaluator, irradiance, session.camera, session.command.picture));
+    draw.push_back(milliseconds_since(frame));
+  } while (milliseconds_since(start) < budget);
+  report["play_ms"] = median(play);
+  report["light_changes"] = play.size();
+  report["picture_ms"] = median(draw);
+  report["pictures"] = draw.size();
+}
+
+void draw(const Session& session, nlohmann::json& report) {
+  std::vector<double> times;
+  const SampleIrradiance irradiance = relight(session, times);
+  PictureSettings settings = session.command.picture;
+  settings.samples_per_side = kKeptSamples;
+  const Picture picture = render(session.evaluator, irradiance, session.camera, settings);
+  write_png(session.command.out, picture.width, picture.height, picture.rgb);
+  if (!report.contains("play_ms")) report["play_ms"] = times.front();
+  report["picture"] = session.command.out;
+  report["exposure"] = picture.exposure;
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) /
+           static_cast<double>(std::max<std::size_t>(1, picture.covered));
+  };
+  report["unreached_share"] = share(picture.unreached);
+  report["hole_share"] = share(picture.holes);
+  report["not_finite"] = picture.not_finite;
+  if (picture.not_finite > 0) {
+    log::warn("{} of the picture's samples have values that are not finite", picture.not_finite);
+  }
+  if (picture.holes > 0) {
+    log::warn("{:.3f} % of the picture lies on sampled faces where no sample is near",
+              100.0 * share(picture.holes));
+  }
+}
+
+void print(const nlohmann::json& report, bool as_json) {
+  if (as_json) {
+    fmt::print("{}\n", report.dump(2));
+    return;
+  }
+  fmt::print("{} samples in {} clusters, {} lights\n", report["samples"].dump(),
+             report["clusters"].dump(), report["lights"].dump());
+  fmt::print("light change {:.2f} ms\n", report["play_ms"].get<double>());
+  if (report.contains("picture_ms")) {
+    fmt::print("picture {:.1f} ms\n", report["picture_ms"].get<double>());
+  }
+  if (report.contains("picture")) {
+    fmt::print("wrote {}\n", report["picture"].get<std::string>());
+  }
+}
+
+ExitCode run(int argc, char** argv) {
+  std::string message;
+  const auto command = parse_play_command(argc, argv, message);
+  if (!command) {
+    fmt::print("{}", message);
+    return ExitCode::kDone;
+  }
+  const Session session(*command);
+  nlohmann::json report = describe(session);
+  if (command->bench_seconds > 0.0) bench(session, report);
+  if (!command->out.empty()) draw(session, report);
+  if (!report.contains("play_ms")) {
+    std::vector<double> times;
+    static_cast<void>(relight(session, times));
+    report["play_ms"] = times.front();
+  }
+  print(report, command->json);
+  return ExitCode::kDone;
+}
+
+}  // namespace
+}  // namespace prt
+
+int main(int argc, char** argv) {
+  prt::ExitCode code = prt::ExitCode::kFailure;
+  try {
+    prt::log::set_up(0);
+    code = prt::run(argc, argv);
+  } catch (const prt::UserError& e) {
+    fmt::print(stderr, "prt_play: {}\n", e.what());
+    code = prt::ExitCode::kBadInput;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "prt_play: {}\n", e.what());
+  }
+  return static_cast<int>(code);
+}
