@@ -72,74 +72,88 @@ SampleGrid::SampleGrid(std::span<const Vec3f> positions, std::span<const Vec3f> 
 }
 
 template <typename Visit>
-void SampleGrid::visit(const Vec3f& p, float radius, Visit&& visit) const {
-  if (entries_.empty()) return;
+void SampleGrid::visit_cells(const Vec3f& p, float radius, Visit&& visit) const {
   const Vec3f r = Vec3f::Constant(radius);
   const Cell low = cell_of(p - r, inverse_cell_);
   const Cell high = cell_of(p + r, inverse_cell_);
-  const auto in_cell = [&](const Cell& c) {
-    const std::size_t s = slot(c.x, c.y, c.z);
-    for (std::uint32_t e = begin_[s]; e < begin_[s + 1]; ++e) visit(entries_[e], c);
-  };
   for (int z = low.z; z <= high.z; ++z) {
     for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) in_cell({x, y, z});
+      for (int x = low.x; x <= high.x; ++x) visit(slot(x, y, z), Cell{x, y, z});
     }
+  }
+}
+
+namespace {
+
+/// Squared distances along one axis from a coordinate to its own cell and that cell's two
+/// neighbours.
+struct AxisGaps {
+  AxisGaps(float value, int cell_index, float cell) {
+    const float below = std::max(0.0F, value - static_cast<float>(cell_index) * cell);
+    const float above = std::max(0.0F, static_cast<float>(cell_index + 1) * cell - value);
+    // The factor covers the rounding of cell borders; it only costs a look.
+    squared = {0.9999F * below * below, 0.0F, 0.9999F * above * above};
+  }
+  std::array<float, 3> squared;
+};
+
+}  // namespace
+
+void SampleGrid::scan(std::size_t s, const Vec3f& p, const Vec3f& n, float min_cosine,
+                      Nearest& best) const {
+  for (std::uint32_t e = begin_[s]; e < begin_[s + 1]; ++e) {
+    const Entry& entry = entries_[e];
+    const float d = (entry.position - p).squaredNorm();
+    if (d > best.squared_distance || (d == best.squared_distance && entry.index >= best.index)) {
+      continue;
+    }
+    if (entry.normal.dot(n) < min_cosine) continue;
+    best = {d, entry.index};
   }
 }
 
 std::uint32_t SampleGrid::nearest(const Vec3f& p, const Vec3f& n, float radius,
                                   float min_cosine) const {
   if (entries_.empty()) return kNone;
-  const float cell = 1.0F / inverse_cell_;
-  float best_distance = radius * radius;
-  std::uint32_t best = kNone;
-  const auto scan = [&](const Cell& c) {
-    const std::size_t s = slot(c.x, c.y, c.z);
-    for (std::uint32_t e = begin_[s]; e < begin_[s + 1]; ++e) {
-      const Entry& entry = entries_[e];
-      const float d = (entry.position - p).squaredNorm();
-      if (d > best_distance || (d == best_distance && entry.index >= best)) continue;
-      if (entry.normal.dot(n) < min_cosine) continue;
-      best_distance = d;
-      best = entry.index;
-    }
-  };
-  // The middle cell first: it mostly holds the answer, and rules the others out by distance.
+  Nearest best{radius * radius, kNone};
+  if (radius * inverse_cell_ > 1.0F) {
+    // Wider than a cell: rare, so simply every cell of the box.
+    visit_cells(p, radius, [&](std::size_t s, const auto&) { scan(s, p, n, min_cosine, best); });
+    return best.index;
+  }
+  // The middle cell first: it mostly holds the answer, and rules its neighbours out by distance.
   const Cell middle = cell_of(p, inverse_cell_);
-  scan(middle);
-  const Vec3f r = Vec3f::Constant(radius);
-  const Cell low = cell_of(p - r, inverse_cell_);
-  const Cell high = cell_of(p + r, inverse_cell_);
-  const auto gap = [cell](float value, int c) {  // distance along one axis from value to cell c
-    const float below = static_cast<float>(c) * cell - value;
-    const float above = value - static_cast<float>(c + 1) * cell;
-    const float d = std::max({0.0F, below, above});
-    return d * d;
-  };
-  for (int z = low.z; z <= high.z; ++z) {
-    const float gap_z = gap(p.z(), z);
-    if (gap_z > best_distance) continue;
-    for (int y = low.y; y <= high.y; ++y) {
-      const float gap_yz = gap_z + gap(p.y(), y);
-      if (gap_yz > best_distance) continue;
-      for (int x = low.x; x <= high.x; ++x) {
-        const Cell c{x, y, z};
-        // The tolerance covers the rounding of cell borders; it only costs a look.
-        if (c == middle || (gap_yz + gap(p.x(), x)) * 0.9999F > best_distance) continue;
-        scan(c);
+  scan(slot(middle.x, middle.y, middle.z), p, n, min_cosine, best);
+  const float cell = 1.0F / inverse_cell_;
+  const AxisGaps gap_x(p.x(), middle.x, cell);
+  const AxisGaps gap_y(p.y(), middle.y, cell);
+  const AxisGaps gap_z(p.z(), middle.z, cell);
+  for (int z = 0; z < 3; ++z) {
+    if (gap_z.squared[z] > best.squared_distance) continue;
+    for (int y = 0; y < 3; ++y) {
+      const float gap_zy = gap_z.squared[z] + gap_y.squared[y];
+      if (gap_zy > best.squared_distance) continue;
+      for (int x = 0; x < 3; ++x) {
+        if (gap_zy + gap_x.squared[x] > best.squared_distance || (x == 1 && y == 1 && z == 1)) {
+          continue;
+        }
+        scan(slot(middle.x + x - 1, middle.y + y - 1, middle.z + z - 1), p, n, min_cosine, best);
       }
     }
   }
-  return best;
+  return best.index;
 }
 
 void SampleGrid::within(const Vec3f& p, float radius, std::vector<std::uint32_t>& out) const {
+  if (entries_.empty()) return;
   const float limit = radius * radius;
-  visit(p, radius, [&](const Entry& entry, const Cell& cell) {
-    // Cells share hash slots: count an entry in its own cell only.
-    if (!(cell_of(entry.position, inverse_cell_) == cell)) return;
-    if ((entry.position - p).squaredNorm() <= limit) out.push_back(entry.index);
+  visit_cells(p, radius, [&](std::size_t s, const Cell& cell) {
+    for (std::uint32_t e = begin_[s]; e < begin_[s + 1]; ++e) {
+      const Entry& entry = entries_[e];
+      // Cells share hash slots: count an entry in its own cell only.
+      if ((entry.position - p).squaredNorm() > limit) continue;
+      if (cell_of(entry.position, inverse_cell_) == cell) out.push_back(entry.index);
+    }
   });
 }
 

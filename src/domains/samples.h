@@ -40,7 +40,7 @@ inline constexpr float kCompatibleCosine = 0.5F;
 class SampleGrid {
  public:
   SampleGrid() = default;
-  /// `cell` is the side of a grid cell, m: about the query radius.
+  /// `cell` is the side of a grid cell, m: best the largest common query radius.
   SampleGrid(std::span<const Vec3f> positions, std::span<const Vec3f> normals, float cell);
 
   /// The sample nearest to p with n·n_s >= min_cosine within `radius`, or kNone.
@@ -57,8 +57,14 @@ class SampleGrid {
     std::uint32_t unused = 0;
   };
   [[nodiscard]] std::size_t slot(int x, int y, int z) const;
+  struct Nearest {
+    float squared_distance;
+    std::uint32_t index;
+  };
+  void scan(std::size_t slot, const Vec3f& p, const Vec3f& n, float min_cosine,
+            Nearest& best) const;
   template <typename Visit>
-  void visit(const Vec3f& p, float radius, Visit&& visit) const;
+  void visit_cells(const Vec3f& p, float radius, Visit&& visit) const;
 
   std::vector<Entry> entries_;        // sorted by hashed cell
   std::vector<std::uint32_t> begin_;  // slots + 1

@@ -6,13 +6,7 @@ namespace prt {
 
 namespace {
 
-constexpr int kLane = 8;  // floats of one AVX register
-
-/// Adds weight · row to out, both of padded width.
-inline void add_scaled(float* __restrict out, const float* __restrict row, float weight,
-                       Eigen::Index width) {
-  for (Eigen::Index i = 0; i < width; ++i) out[i] += weight * row[i];
-}
+constexpr Eigen::Index kLane = 8;  // floats of one AVX register
 
 Eigen::Index padded(Eigen::Index n) { return (n + kLane - 1) / kLane * kLane; }
 
@@ -22,19 +16,37 @@ MatrixF pad_columns(const MatrixF& m) {
   return out;
 }
 
-/// Calls visit(row, sender, weight) for every ray that ended at a sample.
-template <typename Visit>
-void for_each_hit(std::span<const std::uint32_t> senders, std::span<const float> weights,
-                  Visit&& visit) {
-  const std::size_t directions = weights.size();
-  const std::size_t receivers = senders.size() / directions;
-  for (std::size_t r = 0; r < receivers; ++r) {
-    const std::uint32_t* row = senders.data() + r * directions;
-    for (std::size_t d = 0; d < directions; ++d) {
-      if (row[d] < kLostSender) visit(static_cast<Eigen::Index>(r), row[d], weights[d]);
-    }
+/// out += weight · row for `width` floats, a multiple of kLane.
+inline void add_scaled(float* __restrict out, const float* __restrict row, float weight,
+                       Eigen::Index width) {
+  for (Eigen::Index lane = 0; lane < width; lane += kLane) {
+    for (Eigen::Index i = 0; i < kLane; ++i) out[lane + i] += weight * row[lane + i];
   }
 }
+
+/// Adds up the weights of one receiver's rays by the sample they hit: near samples are hit many
+/// times, and each then costs one row instead of many.
+class HitWeights {
+ public:
+  explicit HitWeights(Eigen::Index samples) : weight_(static_cast<std::size_t>(samples), 0.0F) {}
+
+  void collect(std::span<const std::uint32_t> senders, std::span<const float> weights) {
+    for (const std::uint32_t j : hit_) weight_[j] = 0.0F;
+    hit_.clear();
+    for (std::size_t d = 0; d < weights.size(); ++d) {
+      const std::uint32_t j = senders[d];
+      if (j >= kLostSender) continue;
+      if (weight_[j] == 0.0F) hit_.push_back(j);
+      weight_[j] += weights[d];
+    }
+  }
+  [[nodiscard]] const std::vector<std::uint32_t>& hit() const { return hit_; }
+  [[nodiscard]] float operator[](std::uint32_t j) const { return weight_[j]; }
+
+ private:
+  std::vector<float> weight_;
+  std::vector<std::uint32_t> hit_;
+};
 
 }  // namespace
 
@@ -42,29 +54,30 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const float> weights, const MatrixF& albedo,
                                       const ClusterFunctions& functions,
                                       std::span<const std::uint32_t> cluster_of_sample) {
-  const auto receivers = static_cast<Eigen::Index>(senders.size() / weights.size());
+  const std::size_t directions = weights.size();
+  const auto receivers = static_cast<Eigen::Index>(senders.size() / directions);
   const MatrixF values = pad_columns(functions.values);
   const Eigen::Index width = values.cols();
   const auto clusters = static_cast<Eigen::Index>(functions.begin.size() - 1);
   const Eigen::Index channels = albedo.cols();
-  // One receiver's sums, channel by channel and cluster by cluster, stay in the first-level cache.
-  MatrixF sums(channels, clusters * width);
+  // One receiver's sums, cluster by cluster and channel by channel, stay in the first-level cache.
+  MatrixF sums(clusters, channels * width);
   std::vector<MatrixF> result(channels, MatrixF::Zero(receivers, functions.count()));
-  const std::size_t directions = weights.size();
+  HitWeights hits(albedo.rows());
   for (Eigen::Index r = 0; r < receivers; ++r) {
+    hits.collect(senders.subspan(r * directions, directions), weights);
     sums.setZero();
-    for_each_hit(senders.subspan(r * directions, directions), weights,
-                 [&](Eigen::Index, std::uint32_t j, float w) {
-                   const float* row = values.data() + j * width;
-                   float* out = sums.data() + cluster_of_sample[j] * width;
-                   for (Eigen::Index c = 0; c < channels; ++c) {
-                     add_scaled(out + c * clusters * width, row, w * albedo(j, c), width);
-                   }
-                 });
+    for (const std::uint32_t j : hits.hit()) {
+      const float* row = values.data() + j * width;
+      float* out = sums.data() + cluster_of_sample[j] * channels * width;
+      for (Eigen::Index c = 0; c < channels; ++c) {
+        add_scaled(out + c * width, row, hits[j] * albedo(j, c), width);
+      }
+    }
     for (Eigen::Index c = 0; c < channels; ++c) {
       for (Eigen::Index k = 0; k < clusters; ++k) {
         result[c].row(r).segment(functions.begin[k], functions.of(k)) =
-            sums.row(c).segment(k * width, functions.of(k));
+            sums.row(k).segment(c * width, functions.of(k));
       }
     }
   }
@@ -84,10 +97,14 @@ std::vector<MatrixF> gather_fields(std::span<const std::uint32_t> senders,
         albedo.col(std::min(c, albedo.cols() - 1)).asDiagonal() * fields[c];
   }
   MatrixF sums = MatrixF::Zero(receivers, exitant.cols());
-  for_each_hit(senders, weights, [&](Eigen::Index r, std::uint32_t j, float w) {
-    add_scaled(sums.data() + r * exitant.cols(), exitant.data() + j * exitant.cols(), w,
-               exitant.cols());
-  });
+  HitWeights hits(exitant.rows());
+  for (Eigen::Index r = 0; r < receivers; ++r) {
+    hits.collect(senders.subspan(r * weights.size(), weights.size()), weights);
+    for (const std::uint32_t j : hits.hit()) {
+      add_scaled(sums.data() + r * exitant.cols(), exitant.data() + j * exitant.cols(), hits[j],
+                 exitant.cols());
+    }
+  }
   std::vector<MatrixF> result;
   for (Eigen::Index c = 0; c < channels; ++c) {
     result.emplace_back(sums.middleCols(c * width, fields[c].cols()));

@@ -20,7 +20,7 @@ float largest(const std::vector<float>& radii) {
 
 SenderSearch::SenderSearch(const SampleSet& samples)
     : samples_(&samples),
-      grid_(samples.positions, samples.normals, largest(samples.radii)),
+      grid_(samples.positions, samples.normals, kReach * largest(samples.radii)),
       reach_(largest(samples.radii)) {}
 
 std::uint32_t SenderSearch::find(const Scene& scene, const SurfacePoint& point) const {

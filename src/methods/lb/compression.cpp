@@ -21,15 +21,19 @@ struct Kept {
 
 /// Leaves out the weakest sender clusters as long as all of them together stay below the limit.
 Kept keep_strong_senders(const std::vector<MatrixF>& transfer, const VectorF& areas,
-                         const std::vector<std::uint32_t>& begin, double tolerance) {
+                         const std::vector<std::uint32_t>& begin, const MatrixF& typical,
+                         double tolerance) {
   const std::size_t clusters = begin.size() - 1;
   std::vector<double> energy(clusters, 0.0);
   const VectorF root = areas.cwiseSqrt();
   for (std::size_t s = 0; s < clusters; ++s) {
+    const Eigen::Index k = begin[s + 1] - begin[s];
+    // ‖M C‖² over the lights from C's small covariance.
+    const MatrixD light = typical.middleRows(begin[s], k).cast<double>();
+    const MatrixD covariance = light * light.transpose();
     for (const MatrixF& m : transfer) {
-      energy[s] += (root.asDiagonal() * m.middleCols(begin[s], begin[s + 1] - begin[s]))
-                       .cast<double>()
-                       .squaredNorm();
+      const MatrixD block = (root.asDiagonal() * m.middleCols(begin[s], k)).cast<double>();
+      energy[s] += (block.transpose() * block).cwiseProduct(covariance).sum();
     }
   }
   Kept kept;
@@ -66,22 +70,51 @@ MatrixF join_kept(const std::vector<MatrixF>& transfer, const std::vector<std::u
   return joined;
 }
 
+/// Rows of the kept senders' functions.
+MatrixF kept_rows(const MatrixF& typical, const std::vector<std::uint32_t>& begin,
+                  const std::vector<std::uint32_t>& senders) {
+  Eigen::Index height = 0;
+  for (const auto s : senders) height += begin[s + 1] - begin[s];
+  MatrixF kept(height, typical.cols());
+  Eigen::Index row = 0;
+  for (const auto s : senders) {
+    const Eigen::Index k = begin[s + 1] - begin[s];
+    kept.middleRows(row, k) = typical.middleRows(begin[s], k);
+    row += k;
+  }
+  return kept;
+}
+
+/// Light received from typical coefficients, lights of all channels side by side.
+MatrixF received(const MatrixF& joined, const MatrixF& typical) {
+  const Eigen::Index channels = typical.rows() > 0 ? joined.cols() / typical.rows() : 0;
+  MatrixF fields(joined.rows(), channels * typical.cols());
+  for (Eigen::Index c = 0; c < channels; ++c) {
+    fields.middleCols(c * typical.cols(), typical.cols()).noalias() =
+        joined.middleCols(c * typical.rows(), typical.rows()) * typical;
+  }
+  return fields;
+}
+
 }  // namespace
 
 Artifact compress_transfer(const std::vector<MatrixF>& transfer, const VectorF& areas,
-                           const std::vector<std::uint32_t>& function_begin,
+                           const std::vector<std::uint32_t>& function_begin, const MatrixF& typical,
                            const TransferCompression& settings) {
-  const Kept kept = keep_strong_senders(transfer, areas, function_begin, settings.tolerance);
+  const Kept kept =
+      keep_strong_senders(transfer, areas, function_begin, typical, settings.tolerance);
   const MatrixF full = join_kept(transfer, function_begin, kept.senders);
-  // Light functions are scaled so that all coefficients have typical size 1: columns weigh alike.
-  const LowRank low =
-      low_rank(full, areas, VectorF::Ones(full.cols()), settings.rank, settings.tolerance);
+  const MatrixF lights = kept_rows(typical, function_begin, kept.senders);
+  const MatrixF fields = received(full, lights);
+  const LowRank low = low_rank(full, areas, fields, settings.rank, settings.tolerance);
   const Quantised left = quantise(low.left, settings.bits);
   const Quantised right = quantise(low.right, settings.bits);
-  const MatrixF again = left.matrix.decode() * right.matrix.decode();
-  const double off = (areas.cwiseSqrt().asDiagonal() * (again - full)).cast<double>().squaredNorm();
+  const VectorF root = areas.cwiseSqrt();
+  const double total = (root.asDiagonal() * fields).cast<double>().squaredNorm();
+  const MatrixF again = left.matrix.decode() * received(right.matrix.decode(), lights);
+  const double off = (root.asDiagonal() * (again - fields)).cast<double>().squaredNorm();
   const auto relative = [&](double squared) {
-    return kept.total_energy > 0.0 ? std::sqrt(squared / kept.total_energy) : 0.0;
+    return total > 0.0 ? std::sqrt(squared / total) : 0.0;
   };
   Artifact out;
   put_quantised(out, "left", left.matrix, "1", "receiver samples in the transfer's left factor");

@@ -49,6 +49,9 @@ Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader) {
                                                   task.parameters["rank"].get<int>());
   Artifact out;
   out.put("functions", basis.functions, "1/m", "light basis, orthonormal under cell areas");
+  const VectorF areas = cluster_areas(samples, cluster);
+  out.put("coefficients", basis.functions * areas.asDiagonal() * examples.transpose(), "W/m",
+          "example lights in that basis");
   out.put<float>("coefficient_rms",
                  std::span<const float>(basis.coefficient_rms.data(),
                                         static_cast<std::size_t>(basis.coefficient_rms.size())),
@@ -121,6 +124,13 @@ Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader) {
   const ClusterFunctions dual = collect(task, reader, samples, [](const Artifact& part) {
     return VectorF(function_scales(rms_of(part)).cwiseInverse());
   });
+  MatrixF coefficients(dual.count(), reader.input(1)->at("coefficients").dims.at(1));
+  for (std::size_t c = 0; c < samples.clusters(); ++c) {
+    const auto part = reader.input(c + 1);
+    coefficients.middleRows(dual.begin[c], dual.of(c)) =
+        function_scales(rms_of(*part)).cwiseInverse().asDiagonal() * part->matrix("coefficients");
+  }
+  out.put("coefficients", coefficients, "1", "example lights in the functions of all clusters");
   const Eigen::Map<const VectorF> areas(samples.areas.data(),
                                         static_cast<Eigen::Index>(samples.size()));
   out.put("projections", areas.asDiagonal() * dual.values, "m^2/W",
@@ -141,6 +151,12 @@ Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader) 
 std::shared_ptr<const ClusterFunctions> shared_functions(const TaskReader& reader, std::size_t i) {
   return reader.memo().get<ClusterFunctions>("functions " + reader.input_content(i).hex(), [&] {
     return std::make_shared<ClusterFunctions>(get_functions(*reader.input(i)));
+  });
+}
+
+std::shared_ptr<const MatrixF> shared_light_coefficients(const TaskReader& reader, std::size_t i) {
+  return reader.memo().get<MatrixF>("coefficients " + reader.input_content(i).hex(), [&] {
+    return std::make_shared<MatrixF>(reader.input(i)->matrix("coefficients"));
   });
 }
 

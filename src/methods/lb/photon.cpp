@@ -52,6 +52,7 @@ Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader) {
   }
   Artifact out =
       compress_transfer(transfer, cluster_areas(shared->samples, cluster), functions->begin,
+                        *shared_light_coefficients(reader, 1),
                         {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
   out.attributes["cluster"] = cluster;
   out.attributes["samples"] = rows;

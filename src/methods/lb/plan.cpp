@@ -173,6 +173,10 @@ class Planner {
     if (!one_bounce) {
       per_cluster("snapshot", snapshot, [&](TaskSpec& spec, std::size_t c) {
         spec.inputs = gather_inputs(c, kLightFunctions);
+        if (round > 0) {  // enriched by what the last round found
+          spec.inputs.push_back(stage("snapshot_functions", round - 1));
+          spec.inputs.push_back(stage("solve", round - 1));
+        }
         spec.parameters["channels"] = channels_;
         spec.parameters["rank"] = rank;
         spec.parameters["tolerance"] = tolerance;

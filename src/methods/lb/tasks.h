@@ -49,10 +49,15 @@ struct TransferCompression {
   int rank = 50;
   double tolerance = 1e-2;
 };
-/// Compresses transfer into one receiver cluster (one matrix per channel, n_r × all functions) and
-/// measures what each step costs.
+/// Coefficients of the example lights in the light functions, functions × lights: what light looks
+/// like here. Inputs as for shared_functions.
+std::shared_ptr<const MatrixF> shared_light_coefficients(const TaskReader& reader, std::size_t i);
+
+/// Compresses transfer into one receiver cluster (one matrix per channel, n_r × all functions) so
+/// that the light that typical coefficients (functions × lights) cause is kept best, and measures
+/// on them what each step costs.
 Artifact compress_transfer(const std::vector<MatrixF>& transfer, const VectorF& areas,
-                           const std::vector<std::uint32_t>& function_begin,
+                           const std::vector<std::uint32_t>& function_begin, const MatrixF& typical,
                            const TransferCompression& settings);
 
 }  // namespace prt::lb

@@ -11,7 +11,11 @@ namespace prt::lb {
 
 namespace {
 
-constexpr int kProbes = 4;
+constexpr Eigen::Index kProbes = 4;
+// Light shapes on a cluster are found from this many example lights per function wanted.
+constexpr Eigen::Index kLightsPerRank = 6;
+// Example lights on which compressed transfer is tuned and judged.
+constexpr Eigen::Index kTypicalLights = 250;
 
 /// What the gather of one receiver cluster needs: inputs samples, albedo, rays.
 struct Receiver {
@@ -51,13 +55,29 @@ MatrixF join(const std::vector<MatrixF>& channels) {
   return all;
 }
 
-/// Coefficients of light functions as a typical light has them: all of size 1, random signs.
-MatrixF probe_coefficients(std::uint32_t count) {
-  MatrixF z(count, kProbes);
-  Random random(stream_key(0, "residual probes"), 0);
-  for (Eigen::Index i = 0; i < z.size(); ++i)
-    z.data()[i] = (random.bits() & 1U) != 0 ? 1.0F : -1.0F;
-  return z;
+/// The last example lights judge what the others made.
+MatrixF probe_lights(const MatrixF& lights) {
+  return lights.rightCols(std::min<Eigen::Index>(kProbes, lights.cols()));
+}
+
+/// The first example lights, so many at most, but for the probes where there are enough.
+MatrixF training_lights(const MatrixF& lights, Eigen::Index most) {
+  return lights.leftCols(std::min(most, std::max<Eigen::Index>(1, lights.cols() - kProbes)));
+}
+
+/// Adds to once-gathered functions what the reduced system says of all further bounces. Inputs
+/// first_input, first_input + 1: snapshot functions and solution.
+std::vector<MatrixF> gather_all_bounces(const Receiver& receiver, const TaskReader& reader,
+                                        std::vector<MatrixF> once, std::size_t first_input) {
+  const auto snapshots = shared_functions(reader, first_input);
+  const MatrixF solution = reader.input(first_input + 1)->matrix("solution");
+  const std::vector<MatrixF> gathered = receiver.gather(*snapshots);
+  const Eigen::Index width = once[0].cols();
+  for (std::size_t c = 0; c < once.size(); ++c) {
+    once[c].noalias() +=
+        gathered[c] * solution.middleCols(static_cast<Eigen::Index>(c) * width, width);
+  }
+  return once;
 }
 
 }  // namespace
@@ -65,15 +85,24 @@ MatrixF probe_coefficients(std::uint32_t count) {
 Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader) {
   const Receiver receiver(task, reader);
   const auto functions = shared_functions(reader, 3);
-  const MatrixF x = join(receiver.gather(*functions));
+  const std::vector<MatrixF> once = receiver.gather(*functions);
   check_stop(reader);
-  const FunctionBasis basis =
-      make_function_basis(x.transpose(), receiver.areas, task.parameters["rank"].get<int>(),
-                          task.parameters["tolerance"].get<double>());
+  const int rank = task.parameters["rank"].get<int>();
+  const MatrixF lights =
+      training_lights(*shared_light_coefficients(reader, 3), kLightsPerRank * rank);
+  std::vector<MatrixF> shapes;
+  for (const MatrixF& x : once) shapes.emplace_back(x * lights);
+  if (task.inputs.size() > 4) {
+    for (const MatrixF& y : gather_all_bounces(receiver, reader, once, 4)) {
+      shapes.emplace_back(y * lights);
+    }
+  }
+  const FunctionBasis basis = make_function_basis(join(shapes).transpose(), receiver.areas, rank,
+                                                  task.parameters["tolerance"].get<double>());
   Artifact out;
-  out.put("functions", basis.functions, "1/m", "basis of once-gathered light");
+  out.put("functions", basis.functions, "1/m", "basis of gathered light");
   const MatrixD projected =
-      (basis.functions * receiver.areas.asDiagonal()).cast<double>() * x.cast<double>();
+      (basis.functions * receiver.areas.asDiagonal()).cast<double>() * join(once).cast<double>();
   out.put("projected", MatrixF(projected.cast<float>()), "W/m",
           "once-gathered light functions in it");
   out.attributes = {{"cluster", receiver.cluster},    {"samples", receiver.areas.size()},
@@ -136,34 +165,30 @@ Artifact run_transfer(const TaskSpec& task, const TaskReader& reader) {
   const Receiver receiver(task, reader);
   const auto functions = shared_functions(reader, 3);
   std::vector<MatrixF> transfer = receiver.gather(*functions);
-  const MatrixF z = probe_coefficients(functions->count());
+  const auto lights = shared_light_coefficients(reader, 3);
+  const MatrixF z = probe_lights(*lights);
   double source = 0.0;  // squared norm of the once-gathered probes
   for (const MatrixF& x : transfer) {
     source += (receiver.areas.cwiseSqrt().asDiagonal() * (x * z)).squaredNorm();
   }
   MatrixF probes =
-      MatrixF::Zero(receiver.areas.size(), static_cast<Eigen::Index>(transfer.size()) * kProbes);
+      MatrixF::Zero(receiver.areas.size(), static_cast<Eigen::Index>(transfer.size()) * z.cols());
   if (task.inputs.size() > 4) {
     check_stop(reader);
-    const auto snapshots = shared_functions(reader, 4);
-    const MatrixF solution = reader.input(5)->matrix("solution");
-    const std::vector<MatrixF> gathered = receiver.gather(*snapshots);
-    const MatrixF own = receiver.own(*snapshots);
-    const auto width = static_cast<Eigen::Index>(functions->count());
+    transfer = gather_all_bounces(receiver, reader, std::move(transfer), 4);
+    const MatrixF own = receiver.own(*shared_functions(reader, 4));
     for (std::size_t c = 0; c < transfer.size(); ++c) {
-      const auto channel = static_cast<Eigen::Index>(c);
-      transfer[c] += gathered[c] * solution.middleCols(channel * width, width);
       // The part of the probes that the snapshot bases miss: T sends exactly that on as residual.
       const MatrixF lit = transfer[c] * z;
-      probes.middleCols(channel * kProbes, kProbes) =
+      probes.middleCols(static_cast<Eigen::Index>(c) * z.cols(), z.cols()) =
           lit - own * (own.transpose() * (receiver.areas.asDiagonal() * lit));
     }
   }
   check_stop(reader);
   const auto& p = task.parameters;
-  Artifact out =
-      compress_transfer(transfer, receiver.areas, functions->begin,
-                        {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
+  Artifact out = compress_transfer(
+      transfer, receiver.areas, functions->begin, training_lights(*lights, kTypicalLights),
+      {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
   out.put("probes", probes, "W/m^2", "probe lights' part outside the snapshot bases");
   out.attributes["cluster"] = receiver.cluster;
   out.attributes["samples"] = receiver.areas.size();
@@ -174,15 +199,17 @@ Artifact run_transfer(const TaskSpec& task, const TaskReader& reader) {
 Artifact run_residual(const TaskSpec& task, const TaskReader& reader) {
   const Receiver receiver(task, reader);
   const auto channels = task.parameters["channels"].get<int>();
-  std::vector<MatrixF> fields(
-      channels, MatrixF(static_cast<Eigen::Index>(receiver.shared->samples.size()), kProbes));
+  const Eigen::Index lights =
+      static_cast<Eigen::Index>(reader.input(3)->at("probes").dims.at(1)) / channels;
+  const auto samples = static_cast<Eigen::Index>(receiver.shared->samples.size());
+  std::vector<MatrixF> fields(channels, MatrixF(samples, lights));
   Eigen::Index row = 0;
   double source = 0.0;
   for (std::size_t i = 3; i < task.inputs.size(); ++i) {
     const auto part = reader.input(i);
     const MatrixF probes = part->matrix("probes");
     for (int c = 0; c < channels; ++c) {
-      fields[c].middleRows(row, probes.rows()) = probes.middleCols(c * kProbes, kProbes);
+      fields[c].middleRows(row, probes.rows()) = probes.middleCols(c * lights, lights);
     }
     row += probes.rows();
     source += part->attribute<double>("probe_source");
