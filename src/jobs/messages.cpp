@@ -62,7 +62,7 @@ json encode(const TaskDone& e) {
       {"type", "done"},        {"worker", e.worker},         {"task", e.task},
       {"key", e.key.hex()},    {"content", e.content.hex()}, {"adopted", e.adopted},
       {"began", e.cost.began}, {"seconds", e.cost.seconds},  {"cpu_seconds", e.cost.cpu_seconds},
-      {"bytes", e.cost.bytes}, {"slot", e.cost.slot}};
+      {"bytes", e.cost.bytes}, {"slot", e.cost.slot},        {"figures", e.figures}};
 }
 
 json encode(const TaskFailed& e) {
