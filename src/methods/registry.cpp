@@ -1,9 +1,10 @@
+#include "methods/lb/lb.h"
 #include "methods/method.h"
 
 namespace prt {
 
 const std::vector<const Method*>& all_methods() {
-  static const std::vector<const Method*> methods = {};
+  static const std::vector<const Method*> methods = {&lb_method()};
   return methods;
 }
 
