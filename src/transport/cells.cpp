@@ -20,9 +20,17 @@ namespace {
 
 constexpr int kReachRays = 16;
 
-/// Rays from a point whose nearest sample is hidden from it: reachable if one ends at a cell.
-bool reachable(const Scene& scene, const RayCaster& caster, const SenderSearch& search,
-               const Vec3f& position, const Vec3f& normal, Random& random) {
+bool sees_sample(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
+                 std::uint32_t s, const Vec3f& position, const Vec3f& normal) {
+  return caster.visible(offset_origin(scene, position, normal),
+                        offset_origin(scene, samples.positions[s], samples.normals[s]));
+}
+
+/// Rays from a point whose nearest sample is hidden from it: reachable if one ends at a cell,
+/// within sight of its sample.
+bool reachable(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
+               const SenderSearch& search, const Vec3f& position, const Vec3f& normal,
+               Random& random) {
   std::array<Ray, kReachRays> rays;
   std::array<Hit, kReachRays> hits;
   const Vec3f origin = offset_origin(scene, position, normal);
@@ -34,7 +42,9 @@ bool reachable(const Scene& scene, const RayCaster& caster, const SenderSearch& 
   for (int i = 0; i < kReachRays; ++i) {
     if (hits[i].escaped()) continue;
     const SurfacePoint end = surface_at(scene, rays[i], hits[i]);
-    if (search.find_near(end.position, end.normal) != kNone) return true;
+    const std::uint32_t s = search.find_near(end.position, end.normal);
+    // Inside a thin board the far face's outer samples are near and compatible, but hidden.
+    if (s != kNone && sees_sample(scene, caster, samples, s, end.position, end.normal)) return true;
   }
   return false;
 }
@@ -65,10 +75,10 @@ CellPoints draw_cell_points(const Scene& scene, const RayCaster& caster, const S
     for (const Vec3f& normal : {front, Vec3f(-front)}) {
       const std::uint32_t s = search.find_near(position, normal);
       if (s == kNone) continue;
-      const bool seen =
-          caster.visible(offset_origin(scene, position, normal),
-                         offset_origin(scene, samples.positions[s], samples.normals[s]));
-      if (!seen && !reachable(scene, caster, search, position, normal, random)) continue;
+      if (!sees_sample(scene, caster, samples, s, position, normal) &&
+          !reachable(scene, caster, samples, search, position, normal, random)) {
+        continue;
+      }
       points.samples.push_back(s);
       points.triangles.push_back(triangle);
       points.barycentric.push_back(u);
