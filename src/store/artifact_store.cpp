@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "store/seal.h"
 
 namespace prt {
 
@@ -50,7 +51,7 @@ std::optional<Digest> ArtifactStore::check(const std::string& stage, const Diges
   const auto file = path(stage, key);
   if (!fs_.size(file)) return std::nullopt;
   try {
-    return verify(stage, key).content;
+    return head(stage, key).content;
   } catch (const UnsoundData& error) {
     log::warn("{}; it will be made again", error.what());
   }
@@ -58,31 +59,18 @@ std::optional<Digest> ArtifactStore::check(const std::string& stage, const Diges
   return std::nullopt;
 }
 
-SealedLabel ArtifactStore::verify(const std::string& stage, const Digest& key) const {
-  const auto bytes = load(stage, key);
-  try {
-    SealedLabel sealed = label_from_hdf5(bytes);
-    check_label(sealed.label, stage, key);
-    return sealed;
-  } catch (const UnsoundData& error) {
-    throw UnsoundData(path(stage, key).string() + ": " + error.what());
-  }
+LabelledArtifact ArtifactStore::head(const std::string& stage, const Digest& key) const {
+  return load(stage, key, head_from_hdf5);
 }
 
 std::shared_ptr<const Artifact> ArtifactStore::read(const std::string& stage, const Digest& key,
                                                     const Digest& expected) const {
-  const auto bytes = load(stage, key);
-  try {
-    LabelledArtifact file = from_hdf5(bytes);
-    check_label(file.label, stage, key);
-    if (file.content != expected) {
-      throw UnsoundData("content " + file.content.hex() + " where " + expected.hex() +
-                        " was expected");
-    }
-    return std::make_shared<const Artifact>(std::move(file.artifact));
-  } catch (const UnsoundData& error) {
-    throw UnsoundData(path(stage, key).string() + ": " + error.what());
+  LabelledArtifact file = load(stage, key, from_hdf5);
+  if (file.content != expected) {
+    throw UnsoundData(path(stage, key).string() + ": content " + file.content.hex() + " where " +
+                      expected.hex() + " was expected");
   }
+  return std::make_shared<const Artifact>(std::move(file.artifact));
 }
 
 std::uint64_t ArtifactStore::bytes(const std::string& stage, const Digest& key) const {
@@ -97,10 +85,15 @@ void ArtifactStore::remove_temporaries() { remove_matching(is_temporary); }
 
 void ArtifactStore::remove_all() { remove_matching(is_ours); }
 
-std::vector<std::byte> ArtifactStore::load(const std::string& stage, const Digest& key) const {
+LabelledArtifact ArtifactStore::load(const std::string& stage, const Digest& key,
+                                     Parse parse) const {
   const auto file = path(stage, key);
   try {
-    return fs_.read(file);
+    LabelledArtifact result = parse(fs_.read(file));
+    check_label(result.label, stage, key);
+    return result;
+  } catch (const UnsoundData& error) {
+    throw UnsoundData(file.string() + ": " + error.what());
   } catch (const FileError& error) {
     // What cannot be read is as good as damaged: it is made again. A lack of permission is the
     // user's to mend.

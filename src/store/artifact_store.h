@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 
 #include "base/hash.h"
@@ -43,8 +44,9 @@ class ArtifactStore {
   /// Content hash of a sound file of that name. One that is corrupt, truncated or foreign is
   /// reported in the log and removed, so that it is made again.
   std::optional<Digest> check(const std::string& stage, const Digest& key);
-  /// The same, but leaves the file and throws UnsoundData (missing files included).
-  [[nodiscard]] SealedLabel verify(const std::string& stage, const Digest& key) const;
+  /// What the file says of itself, without datasets. Leaves an unsound file where it is and throws
+  /// UnsoundData (missing files included).
+  [[nodiscard]] LabelledArtifact head(const std::string& stage, const Digest& key) const;
   /// Throws UnsoundData if the file is missing, corrupt, foreign or has other content.
   [[nodiscard]] std::shared_ptr<const Artifact> read(const std::string& stage, const Digest& key,
                                                      const Digest& expected) const;
@@ -58,7 +60,9 @@ class ArtifactStore {
   void remove_all();
 
  private:
-  [[nodiscard]] std::vector<std::byte> load(const std::string& stage, const Digest& key) const;
+  using Parse = LabelledArtifact (*)(std::span<const std::byte> file);
+  [[nodiscard]] LabelledArtifact load(const std::string& stage, const Digest& key,
+                                      Parse parse) const;
   void make_stage(const std::string& stage);
   void remove_matching(bool (*matches)(const std::string& name));
 

@@ -1,15 +1,13 @@
 #include "store/hdf5_image.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <stdexcept>
-#include <string_view>
 
 #include "base/error.h"
 #include "store/hdf5_attributes.h"
 #include "store/hdf5_handle.h"
 #include "store/hdf5_memory.h"
+#include "store/seal.h"
 
 namespace prt {
 
@@ -19,23 +17,6 @@ using hdf5::check;
 using hdf5::Handle;
 
 constexpr std::size_t kChunkBytes = 1 << 20;
-constexpr std::array<char, 8> kSealMagic = {'P', 'R', 'T', 's', 'e', 'a', 'l', '1'};
-
-struct Seal {
-  std::array<char, 8> magic;
-  std::uint64_t length;
-  std::uint64_t high;
-  std::uint64_t low;
-};
-static_assert(sizeof(Seal) == 32);
-
-constexpr std::array<std::string_view, 5> kOwnAttributes = {"schema_version", "code_version",
-                                                            "kind", "key", "equation"};
-
-bool is_own_attribute(std::string_view name) {
-  return std::find(kOwnAttributes.begin(), kOwnAttributes.end(), name) != kOwnAttributes.end();
-}
-
 /// The same in file and memory: artifacts are little-endian, as every machine we run on.
 hid_t hdf5_type(ElementType type) {
   switch (type) {
@@ -113,8 +94,8 @@ Handle dataset_properties(const Dataset& dataset) {
 }
 
 /// Opens the groups that a name with '/' asks for and returns the innermost and the last part.
-std::pair<Handle, std::string> enter_groups(hid_t file, const std::string& name) {
-  Handle group(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "opening the root");
+std::pair<Handle, std::string> enter_groups(hid_t top, const std::string& name) {
+  Handle group(H5Gopen2(top, ".", H5P_DEFAULT), H5Gclose, "opening a group");
   std::size_t begin = 0;
   while (true) {
     const std::size_t slash = name.find('/', begin);
@@ -128,9 +109,9 @@ std::pair<Handle, std::string> enter_groups(hid_t file, const std::string& name)
   }
 }
 
-void write_dataset(hid_t file, const std::string& name, const Dataset& dataset) {
+void write_dataset(hid_t top, const std::string& name, const Dataset& dataset) {
   check_shape(name, dataset);
-  const auto [group, leaf] = enter_groups(file, name);
+  const auto [group, leaf] = enter_groups(top, name);
   const Handle space = data_space(dataset);
   const Handle properties = dataset_properties(dataset);
   const hid_t type = hdf5_type(dataset.type);
@@ -196,13 +177,6 @@ void read_group(hid_t group, const std::string& prefix, std::size_t file_bytes, 
   }
 }
 
-void append_seal(std::vector<std::byte>& file) {
-  const Digest digest = hash_bytes(file);
-  const Seal seal{kSealMagic, file.size(), digest.high, digest.low};
-  const auto raw = std::as_bytes(std::span(&seal, 1));
-  file.insert(file.end(), raw.begin(), raw.end());
-}
-
 ArtifactLabel read_label(hid_t root) {
   const auto schema = hdf5::read_attribute(root, "schema_version").get<std::int64_t>();
   if (schema != kArtifactSchemaVersion) {
@@ -217,34 +191,39 @@ ArtifactLabel read_label(hid_t root) {
   return label;
 }
 
-void write_root(hid_t file, const Artifact& artifact, const ArtifactLabel& label) {
+void write_label(hid_t file, const ArtifactLabel& label) {
   const Handle root(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "opening the root");
   hdf5::write_attribute(root.id(), "schema_version", kArtifactSchemaVersion);
   hdf5::write_attribute(root.id(), "code_version", label.code_version);
   hdf5::write_attribute(root.id(), "kind", label.kind);
   hdf5::write_attribute(root.id(), "key", label.key.hex());
   hdf5::write_attribute(root.id(), "equation", label.equation);
-  for (const auto& [name, value] : artifact.attributes.items()) {
-    if (is_own_attribute(name)) {
-      throw std::logic_error("artifact attribute " + name + " has a name of the store's own");
-    }
-    hdf5::write_attribute(root.id(), name, value);
-  }
 }
 
-/// Runs `read` on the root group of a file whose seal is sound. JSON type errors mean an attribute
-/// of another type than ours.
-template <typename Read>
-auto read_sealed(std::span<const std::byte> file, Read&& read) {
-  const Digest content = verify_seal(file);
+void write_artifact(hid_t group, const Artifact& artifact) {
+  for (const auto& [name, value] : artifact.attributes.items()) {
+    hdf5::write_attribute(group, name, value);
+  }
+  for (const auto& [name, dataset] : artifact.datasets) write_dataset(group, name, dataset);
+}
+
+/// JSON type errors mean an attribute of another type than ours.
+LabelledArtifact read_sealed(std::span<const std::byte> file, bool with_datasets) {
+  LabelledArtifact result;
+  result.content = verify_seal(file);
   const hdf5::Session session;
   try {
-    const hdf5::BorrowedFile opened(file.first(file.size() - sizeof(Seal)));
+    const hdf5::BorrowedFile opened(file.first(file.size() - kSealBytes));
     const Handle root(H5Gopen2(opened.id(), "/", H5P_DEFAULT), H5Gclose, "opening the root");
-    return read(root.id(), content);
+    result.label = read_label(root.id());
+    const Handle group(H5Gopen2(root.id(), result.label.key.hex().c_str(), H5P_DEFAULT), H5Gclose,
+                       "opening the artifact's group");
+    result.artifact.attributes = hdf5::read_attributes(group.id());
+    if (with_datasets) read_group(group.id(), "", file.size(), result.artifact);
   } catch (const nlohmann::json::exception& error) {
     throw UnsoundData(std::string("an attribute cannot be read: ") + error.what());
   }
+  return result;
 }
 
 std::size_t expected_bytes(const Artifact& artifact) {
@@ -263,48 +242,18 @@ std::vector<std::byte> to_hdf5(const Artifact& artifact, const ArtifactLabel& la
   {
     const hdf5::Session session;
     hdf5::MemoryFile file(expected_bytes(artifact));
-    write_root(file.id(), artifact, label);
-    for (const auto& [name, dataset] : artifact.datasets) write_dataset(file.id(), name, dataset);
+    write_label(file.id(), label);
+    write_artifact(hdf5::require_group(file.id(), label.key.hex()).id(), artifact);
     bytes = file.close();
   }
   append_seal(bytes);
   return bytes;
 }
 
-LabelledArtifact from_hdf5(std::span<const std::byte> file) {
-  return read_sealed(file, [&](hid_t root, const Digest& content) {
-    LabelledArtifact result{{read_label(root), content}, {}};
-    result.artifact.attributes = hdf5::read_attributes(root);
-    for (const std::string_view name : kOwnAttributes) {
-      result.artifact.attributes.erase(std::string(name));
-    }
-    read_group(root, "", file.size(), result.artifact);
-    return result;
-  });
-}
+LabelledArtifact from_hdf5(std::span<const std::byte> file) { return read_sealed(file, true); }
 
-SealedLabel label_from_hdf5(std::span<const std::byte> file) {
-  return read_sealed(file, [](hid_t root, const Digest& content) {
-    return SealedLabel{read_label(root), content};
-  });
-}
-
-Digest verify_seal(std::span<const std::byte> file) {
-  const Digest stated = sealed_content(file);
-  if (hash_bytes(file.first(file.size() - sizeof(Seal))) != stated) {
-    throw UnsoundData("corrupt artifact: its checksum differs");
-  }
-  return stated;
-}
-
-Digest sealed_content(std::span<const std::byte> file) {
-  Seal seal{};
-  if (file.size() < sizeof seal) throw UnsoundData("too short to be an artifact");
-  const std::size_t length = file.size() - sizeof seal;
-  std::memcpy(&seal, file.data() + length, sizeof seal);
-  if (seal.magic != kSealMagic) throw UnsoundData("not an artifact, or a truncated one");
-  if (seal.length != length) throw UnsoundData("truncated artifact");
-  return {seal.high, seal.low};
+LabelledArtifact head_from_hdf5(std::span<const std::byte> file) {
+  return read_sealed(file, false);
 }
 
 }  // namespace prt

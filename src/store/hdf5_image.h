@@ -1,15 +1,16 @@
 // An artifact as the bytes of an HDF5 file, and back. HDF5 only serialises: it works on memory, and
 // all disk access goes through store/file_system.h.
 //
-// Layout: an HDF5 file in the 1.8 format without any object times, then a seal of 32 bytes that
-// HDF5 tools skip: magic, length and XXH3-128 of everything before it. A file proves itself sound
-// by its seal before HDF5 parses a byte of it. Each dataset is cut into chunks of about 1 MiB with
-// fletcher32 checksums, so that other HDF5 programs notice damage, too; arrays without a value and
-// scalars have no chunks.
+// Layout: an HDF5 file in the 1.8 format without any object times, then a seal (store/seal.h). A
+// file proves itself sound by its seal before HDF5 parses a byte of it. Each dataset is cut into
+// chunks of about 1 MiB with fletcher32 checksums, so that other HDF5 programs notice damage, too;
+// arrays without a value and scalars have no chunks.
 //
-// Root attributes: schema_version, code_version, kind, key, equation, and the artifact's own:
-// integers, doubles, booleans (an enumeration, as h5py has it) and strings typed as such, nested
-// values as JSON text under "json:NAME". Each dataset has attributes `units` and `meaning`.
+// Root attributes: schema_version, code_version, kind, key, equation. All datasets are in one group
+// named by the KEY: h5ls 1.10 tells external links apart by the path in the other file alone, and
+// follows each path once. The group's attributes are the artifact's: integers, doubles, booleans
+// (an enumeration, as h5py has it) and strings typed as such, nested values as JSON text under
+// "json:NAME". Each dataset has attributes `units` and `meaning`.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +24,7 @@
 namespace prt {
 
 /// Version of this layout; readers refuse others.
-inline constexpr int kArtifactSchemaVersion = 1;
+inline constexpr int kArtifactSchemaVersion = 2;
 
 /// What an artifact is and which code made it.
 struct ArtifactLabel {
@@ -34,33 +35,22 @@ struct ArtifactLabel {
   friend bool operator==(const ArtifactLabel&, const ArtifactLabel&) = default;
 };
 
-/// What a file says of itself.
-struct SealedLabel {
+struct LabelledArtifact {
   ArtifactLabel label;
   Digest content;  ///< as verify_seal
-};
-struct LabelledArtifact : SealedLabel {
   Artifact artifact;
 };
 
 /// Bytes of the file, seal included. Equal arguments give equal bytes in every process. Throws
 /// std::logic_error for what cannot be stored: a dataset whose shape and bytes differ, empty or
-/// odd names, attributes that use a name of ours.
+/// odd names.
 std::vector<std::byte> to_hdf5(const Artifact& artifact, const ArtifactLabel& label);
 
 /// Inverse of to_hdf5; element types, shapes and attributes come back exactly. Throws UnsoundData
 /// if the seal is broken, the schema is another one or anything does not parse.
 LabelledArtifact from_hdf5(std::span<const std::byte> file);
 
-/// The label alone: verifies the seal but reads no dataset. Throws UnsoundData as from_hdf5 does.
-SealedLabel label_from_hdf5(std::span<const std::byte> file);
-
-/// Content hash of a file: XXH3-128 of all bytes before the seal, which states it. Throws
-/// UnsoundData if the seal is missing or broken.
-Digest verify_seal(std::span<const std::byte> file);
-
-/// The content hash that the seal states, unverified: for bytes that to_hdf5 has just made. Throws
-/// UnsoundData if there is no seal.
-Digest sealed_content(std::span<const std::byte> file);
+/// The same without the datasets, which are not read.
+LabelledArtifact head_from_hdf5(std::span<const std::byte> file);
 
 }  // namespace prt

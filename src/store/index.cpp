@@ -6,6 +6,7 @@
 
 #include "store/bake_folder.h"
 #include "store/hdf5_memory.h"
+#include "store/seal.h"
 
 namespace prt {
 
@@ -19,13 +20,17 @@ std::string link_name(const IndexEntry& entry) {
   return name;
 }
 
-/// A path that leads to the root like any other but is spelt as only the n-th link spells it:
-/// h5ls 1.10 tells external links apart by the path in the other file alone, not by that file's
-/// name, and follows just the first of those that are alike. HDF5 skips "." and empty steps.
-std::string spelling_of_root(std::size_t n) {
-  std::string path = "/";
-  for (; n > 0; n >>= 1) path += (n & 1) != 0 ? "./" : "/";
-  return path;
+herr_t collect_key(hid_t group, const char* link, const H5L_info_t* info, void* out) {
+  if (info->type != H5L_TYPE_EXTERNAL) return 0;
+  std::vector<char> value(info->u.val_size);
+  const char* file = nullptr;
+  const char* path = nullptr;
+  if (H5Lget_val(group, link, value.data(), value.size(), H5P_DEFAULT) < 0 ||
+      H5Lunpack_elink_val(value.data(), value.size(), nullptr, &file, &path) < 0) {
+    return -1;
+  }
+  static_cast<std::vector<std::string>*>(out)->emplace_back(path);
+  return 0;
 }
 
 }  // namespace
@@ -36,27 +41,42 @@ std::string index_path(const IndexEntry& entry) {
 
 void write_index(FileSystem& fs, const FileSystem::Path& bake_dir,
                  std::span<const IndexEntry> entries) {
-  std::map<std::string, std::map<std::string, std::string>> file_of_link_of_stage;
+  std::map<std::string, std::map<std::string, std::string>> key_of_link_of_stage;
   for (const IndexEntry& entry : entries) {
-    file_of_link_of_stage[entry.kind][link_name(entry)] =
-        "artifacts/" + entry.kind + "/" + entry.key.hex() + ".h5";
+    key_of_link_of_stage[entry.kind][link_name(entry)] = entry.key.hex();
   }
   std::vector<std::byte> bytes;
   {
     const hdf5::Session session;
     hdf5::MemoryFile file(1 << 20);
-    std::size_t links = 0;
-    for (const auto& [stage, file_of_link] : file_of_link_of_stage) {
+    for (const auto& [stage, key_of_link] : key_of_link_of_stage) {
       const hdf5::Handle group = hdf5::require_group(file.id(), stage);
-      for (const auto& [link, target] : file_of_link) {
-        hdf5::check(H5Lcreate_external(target.c_str(), spelling_of_root(links++).c_str(),
-                                       group.id(), link.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+      for (const auto& [link, key] : key_of_link) {
+        const std::string target = "artifacts/" + stage + "/" + key + ".h5";
+        hdf5::check(H5Lcreate_external(target.c_str(), ("/" + key).c_str(), group.id(),
+                                       link.c_str(), H5P_DEFAULT, H5P_DEFAULT),
                     "linking an artifact");
       }
     }
     bytes = file.close();
   }
+  append_seal(bytes);
   replace_file(fs, bake_dir / kIndexName, bytes);
+}
+
+std::set<Digest> read_index(FileSystem& fs, const FileSystem::Path& bake_dir) {
+  const auto bytes = fs.read(bake_dir / kIndexName);
+  verify_seal(bytes);
+  std::vector<std::string> paths;  // "/KEY"
+  {
+    const hdf5::Session session;
+    const hdf5::BorrowedFile file(std::span<const std::byte>(bytes).first(bytes.size() - kSealBytes));
+    hdf5::check(H5Lvisit(file.id(), H5_INDEX_NAME, H5_ITER_INC, collect_key, &paths),
+                "reading the index");
+  }
+  std::set<Digest> keys;
+  for (const std::string& path : paths) keys.insert(Digest::from_hex(path.substr(1)));
+  return keys;
 }
 
 }  // namespace prt

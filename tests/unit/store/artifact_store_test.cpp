@@ -28,7 +28,10 @@ TEST_F(ArtifactStoreTest, GivesBackWhatWasWritten) {
   const Digest content = write();
   EXPECT_EQ(file(), folder_.path() / "artifacts" / "rays" / (kKey.hex() + ".h5"));
   EXPECT_EQ(store_.check("rays", kKey), content);
-  EXPECT_EQ(store_.verify("rays", kKey).label, (ArtifactLabel{"rays", kKey, 3, "eq. 8"}));
+  const LabelledArtifact head = store_.head("rays", kKey);
+  EXPECT_EQ(head.label, (ArtifactLabel{"rays", kKey, 3, "eq. 8"}));
+  EXPECT_EQ(head.artifact.attributes, varied_artifact().attributes);
+  EXPECT_TRUE(head.artifact.datasets.empty());
   EXPECT_EQ(store_.bytes("rays", kKey), fs::file_size(file()));
   expect_equal(varied_artifact(), *store_.read("rays", kKey, content));
   EXPECT_TRUE(store_.remove("rays", kKey));

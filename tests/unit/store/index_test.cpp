@@ -60,6 +60,16 @@ TEST_F(IndexTest, EqualBytesInAnyOrder) {
   EXPECT_EQ(read_text(folder_.path() / kIndexName), first);
 }
 
+TEST_F(IndexTest, TellsTheKeysItLinksTo) {
+  std::set<Digest> keys;
+  for (const auto& entry : kEntries) keys.insert(entry.key);
+  EXPECT_EQ(read_index(disk_, folder_.path()), keys);
+  std::string bytes = read_text(folder_.path() / kIndexName);
+  bytes[100] ^= 1;
+  write_text(folder_.path() / kIndexName, bytes);
+  EXPECT_THROW(read_index(disk_, folder_.path()), UnsoundData);
+}
+
 TEST_F(IndexTest, HoldsThousandsOfTasks) {
   std::vector<IndexEntry> many;
   for (int i = 0; i < 5000; ++i) {

@@ -76,6 +76,7 @@ inline Artifact varied_artifact() {
   put_counting<float>(artifact, "empty", {0, 3});
   put_counting<float>(artifact, "scalar", {});
   artifact.attributes = {{"cluster", 7},
+                         {"kind", "the store has this name, too"},
                          {"count", 42U},
                          {"largest", std::numeric_limits<std::uint64_t>::max()},
                          {"smallest", std::numeric_limits<std::int64_t>::min()},

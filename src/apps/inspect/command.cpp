@@ -1,0 +1,71 @@
+#include "apps/inspect/command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace prt {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw UserError("command line: " + why + "; prt_inspect --help shows the options");
+}
+
+/// Options that have no use in this combination are refused rather than ignored.
+void check_combination(const CLI::App& app, const InspectCommand& command) {
+  if (command.image.empty()) {
+    for (const char* option : {"--cluster", "--index", "--output"}) {
+      if (app.count(option) > 0) refuse(std::string(option) + " needs --image KIND");
+    }
+    return;
+  }
+  if (command.output.empty()) refuse("--image needs -o FILE.png");
+  if (command.verify || command.json) refuse("--image goes neither with --verify nor with --json");
+  if (command.image == "depth") return;
+  for (const char* option : {"--cluster", "--index"}) {
+    if (app.count(option) > 0) refuse(std::string(option) + " goes with --image depth only");
+  }
+}
+
+}  // namespace
+
+std::optional<InspectCommand> parse_inspect_command(int argc, const char* const* argv,
+                                                    std::string& message) {
+  InspectCommand command;
+  CLI::App app{"Shows what is in a bake, and whether it is sound.", "prt_inspect"};
+  app.add_option("BAKE_DIR", command.bake, "folder that prt_bake wrote to")->required();
+  app.add_flag("--verify", command.verify,
+               "read every artifact again; exit code 4 if one is unsound");
+  app.add_flag("--json", command.json, "tables as JSON");
+  app.add_option(
+         "--image", command.image,
+         "draw a picture: clusters (samples coloured by cluster) or depth (a sample's depth "
+         "buffer beside its reconstruction)")
+      ->check(CLI::IsMember({"clusters", "depth"}))
+      ->type_name("KIND");
+  app.add_option("--cluster", command.cluster, "cluster of the sample")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
+  app.add_option("--index", command.index, "sample within the cluster")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("K");
+  app.add_option("-o,--output", command.output, "picture to write")->type_name("FILE.png");
+  app.footer(
+      "Exit codes: 0 done, 2 bad command line or no bake, 4 verification failed, 1 anything else.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    message = app.help();
+    return std::nullopt;
+  } catch (const CLI::ParseError& e) {
+    std::string why = e.what();
+    std::ranges::replace(why, '\n', ' ');
+    refuse(why);
+  }
+  check_combination(app, command);
+  return command;
+}
+
+}  // namespace prt

@@ -1,0 +1,24 @@
+// The command line of prt_inspect (design: a contract, scripts depend on it).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace prt {
+
+struct InspectCommand {
+  std::filesystem::path bake;
+  bool verify = false;
+  bool json = false;
+  std::string image;  ///< "clusters", "depth"; empty: none
+  int cluster = 0;
+  int index = 0;  ///< sample within the cluster
+  std::filesystem::path output;
+};
+
+/// Parses; throws UserError. For --help returns nothing and leaves what to print in `message`.
+std::optional<InspectCommand> parse_inspect_command(int argc, const char* const* argv,
+                                                    std::string& message);
+
+}  // namespace prt
