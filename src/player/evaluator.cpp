@@ -53,8 +53,9 @@ struct Evaluator::Tables {
 
 Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
                                    std::span<const Vec2f> light_points) const {
-  Vec3f unshadowed = Vec3f::Zero();
-  Vec3f shadowed = Vec3f::Zero();
+  Arrival at;
+  float power = 0.0F;
+  float seen = 0.0F;
   for (const Vec2f& uv : light_points) {
     const IncidentLight incident = incident_light(light, samples.positions[sample], uv.x(), uv.y());
     const float cosine = samples.normals[sample].dot(incident.to_light);
@@ -63,11 +64,15 @@ Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
     const float share = depths ? depths->visibility(sample, cluster_of_sample[sample],
                                                     incident.to_light, incident.distance)
                                : 1.0F;
-    unshadowed += irradiance;
-    shadowed += share * irradiance;
+    at.irradiance += share * irradiance;
+    const float weight = irradiance.sum();
+    power += weight;
+    seen += share * weight;
   }
-  if (!(unshadowed.sum() > 0.0F)) return {};
-  return {shadowed / static_cast<float>(light_points.size()), shadowed.sum() / unshadowed.sum()};
+  if (!(power > 0.0F)) return {};
+  at.irradiance /= static_cast<float>(light_points.size());
+  at.visibility = seen / power;
+  return at;
 }
 
 std::vector<float> Evaluator::Tables::add_light(const Light& light, int area_samples,
