@@ -1,65 +1,25 @@
 #include "scene/embree/embree_ray_caster.h"
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include "scene/closest_point.h"
+#include "scene/embree/coplanar.h"
+#include "scene/embree/embree_query.h"
 
 namespace prt {
 namespace {
 
 constexpr unsigned kPacket = 16;
-
-// Embree 3 and 4 differ in how a query gets its flags; these few lines are all that depends on it.
-#if RTC_VERSION_MAJOR >= 4
-struct Query {
-  RTCIntersectArguments intersect;
-  RTCOccludedArguments occluded;
-  explicit Query(bool coherent) {
-    const auto flags = coherent ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT;
-    rtcInitIntersectArguments(&intersect);
-    rtcInitOccludedArguments(&occluded);
-    intersect.flags = occluded.flags = flags;
-  }
-};
-void embree_intersect1(RTCScene scene, Query& query, RTCRayHit& ray) {
-  rtcIntersect1(scene, &ray, &query.intersect);
-}
-void embree_intersect16(const int* valid, RTCScene scene, Query& query, RTCRayHit16& rays) {
-  rtcIntersect16(valid, scene, &rays, &query.intersect);
-}
-void embree_occluded16(const int* valid, RTCScene scene, Query& query, RTCRay16& rays) {
-  rtcOccluded16(valid, scene, &rays, &query.occluded);
-}
-#else
-struct Query {
-  RTCIntersectContext context;
-  explicit Query(bool coherent) {
-    rtcInitIntersectContext(&context);
-    context.flags =
-        coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  }
-};
-void embree_intersect1(RTCScene scene, Query& query, RTCRayHit& ray) {
-  rtcIntersect1(scene, &query.context, &ray);
-}
-void embree_intersect16(const int* valid, RTCScene scene, Query& query, RTCRayHit16& rays) {
-  rtcIntersect16(valid, scene, &query.context, &rays);
-}
-void embree_occluded16(const int* valid, RTCScene scene, Query& query, RTCRay16& rays) {
-  rtcOccluded16(valid, scene, &query.context, &rays);
-}
-#endif
+/// Hits with a barycentric weight below this may lie on an edge, and so hit the neighbour as well.
+constexpr float kNearEdge = 0x1p-12F;
+/// Rounding of Embree's distances, relative to the coordinates.
+constexpr float kTie = 0x1p-20F;
 
 [[noreturn]] void fail(const std::string& what) {
   throw std::runtime_error("Embree cannot build the ray caster: " + what);
@@ -127,6 +87,50 @@ bool shrink_to_triangle(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
+/// Finds the lowest of all triangles that a ray meets on its way: meant for a very short way.
+struct TieQuery : Query {
+  explicit TieQuery(const Group* of)
+      : Query(false,
+              [](const RTCFilterFunctionNArguments* arguments) {
+                static_cast<TieQuery*>(query_of(arguments))->see(arguments);
+              }),
+        groups(of) {}
+
+  const Group* groups;
+  Hit lowest;
+
+ private:
+  /// Takes note of a hit and rejects it, so that the search goes on.
+  void see(const RTCFilterFunctionNArguments* arguments) {
+    if (arguments->valid[0] != -1) return;
+    arguments->valid[0] = 0;
+    const Group& group = groups[RTCHitN_geomID(arguments->hit, 1, 0)];
+    const std::uint32_t triangle = group.triangles[RTCHitN_primID(arguments->hit, 1, 0)];
+    if (triangle >= lowest.triangle) return;
+    lowest = {triangle, RTCRayN_tfar(arguments->ray, 1, 0), RTCHitN_u(arguments->hit, 1, 0),
+              RTCHitN_v(arguments->hit, 1, 0)};
+  }
+};
+
+RTCRayHit single_ray(const Ray& ray) {
+  RTCRayHit single;
+  single.ray = {ray.origin.x(),
+                ray.origin.y(),
+                ray.origin.z(),
+                ray.t_near,
+                ray.direction.x(),
+                ray.direction.y(),
+                ray.direction.z(),
+                0.0F,
+                ray.t_far,
+                std::numeric_limits<unsigned>::max(),
+                0,
+                0};
+  single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return single;
+}
+
 void load_packet(std::span<const Ray> rays, RTCRay16& packet) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Ray& ray = rays[i];
@@ -154,6 +158,7 @@ void set_constants(RTCRay16& packet) {
 class EmbreeRayCaster final : public RayCaster {
  public:
   EmbreeRayCaster(const Scene& scene, const std::string& isa) : device_(isa), scene_(scene) {
+    contested_ = contested_triangles(scene);
     for (Group& group : groups_) group.scene = &scene;
     for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
       const bool masked = scene.materials[scene.triangles[t].material].alpha_mask;
@@ -161,7 +166,7 @@ class EmbreeRayCaster final : public RayCaster {
     }
     embree_scene_ = rtcNewScene(device_.get());
     rtcSetSceneBuildQuality(embree_scene_, RTC_BUILD_QUALITY_MEDIUM);
-    rtcSetSceneFlags(embree_scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(embree_scene_, kSceneFlags);
     try {
       for (unsigned id = 0; id < groups_.size(); ++id) attach(id);
       rtcCommitScene(embree_scene_);
@@ -250,23 +255,9 @@ class EmbreeRayCaster final : public RayCaster {
   }
 
   [[nodiscard]] Hit intersect_single(const Ray& ray, Query& query) const {
-    RTCRayHit single;
-    single.ray = {ray.origin.x(),
-                  ray.origin.y(),
-                  ray.origin.z(),
-                  ray.t_near,
-                  ray.direction.x(),
-                  ray.direction.y(),
-                  ray.direction.z(),
-                  0.0F,
-                  ray.t_far,
-                  std::numeric_limits<unsigned>::max(),
-                  0,
-                  0};
-    single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit single = single_ray(ray);
     embree_intersect1(embree_scene_, query, single);
-    return hit_of(single.hit.geomID, single.hit.primID, single.ray.tfar, single.hit.u,
+    return hit_of(ray, single.hit.geomID, single.hit.primID, single.ray.tfar, single.hit.u,
                   single.hit.v);
   }
 
@@ -282,15 +273,31 @@ class EmbreeRayCaster final : public RayCaster {
       std::fill_n(packet.hit.instID[0], kPacket, RTC_INVALID_GEOMETRY_ID);
       embree_intersect16(valid_lanes(count), embree_scene_, query, packet);
       for (std::size_t i = 0; i < count; ++i) {
-        hits[begin + i] = hit_of(packet.hit.geomID[i], packet.hit.primID[i], packet.ray.tfar[i],
-                                 packet.hit.u[i], packet.hit.v[i]);
+        hits[begin + i] = hit_of(rays[begin + i], packet.hit.geomID[i], packet.hit.primID[i],
+                                 packet.ray.tfar[i], packet.hit.u[i], packet.hit.v[i]);
       }
     }
   }
 
-  [[nodiscard]] Hit hit_of(unsigned geometry, unsigned primitive, float t, float u, float v) const {
+  [[nodiscard]] Hit hit_of(const Ray& ray, unsigned geometry, unsigned primitive, float t, float u,
+                           float v) const {
     if (geometry == RTC_INVALID_GEOMETRY_ID) return {};
-    return {groups_[geometry].triangles[primitive], t, u, v};
+    const Hit hit{groups_[geometry].triangles[primitive], t, u, v};
+    const bool near_edge = std::min({u, v, 1.0F - u - v}) < kNearEdge;
+    const bool contested = !contested_.empty() && contested_[hit.triangle] != 0;
+    return near_edge || contested ? lowest_of_tie(ray, hit) : hit;
+  }
+
+  /// Embree keeps whichever of several hits at one distance it comes upon first, and its packets
+  /// and single rays round distances differently. Nothing is nearer than the hit, so all that the
+  /// ray meets up to just behind it is as near, and the answer no longer depends on the way it was
+  /// asked.
+  [[nodiscard]] Hit lowest_of_tie(const Ray& ray, const Hit& hit) const {
+    TieQuery query(groups_.data());
+    RTCRayHit single = single_ray(ray);
+    single.ray.tfar = hit.t + kTie * (hit.t + ray.origin.cwiseAbs().maxCoeff());
+    embree_intersect1(embree_scene_, query, single);
+    return query.lowest.escaped() || query.lowest.t > ray.t_far ? hit : query.lowest;
   }
 
   /// Mask of a packet whose first `count` lanes hold rays.
@@ -308,6 +315,7 @@ class EmbreeRayCaster final : public RayCaster {
   Device device_;
   const Scene& scene_;
   std::array<Group, 2> groups_;
+  std::vector<std::uint8_t> contested_;  ///< contested_triangles()
   RTCScene embree_scene_ = nullptr;
 };
 
