@@ -1,0 +1,113 @@
+// An empty box judged end to end: its direct light is known exactly, its indirect light left out.
+#include "evaluate/compare.h"
+
+#include <gtest/gtest.h>
+
+#include "scene/embree/embree_ray_caster.h"
+#include "transport/free_space.h"
+#include "unit/evaluate/box_room.h"
+
+namespace prt {
+namespace {
+
+/// Float rounding of direct light, relative.
+constexpr double kRounding = 1e-5;
+
+class Compare : public testing::Test {
+ protected:
+  LightReference trace(std::size_t number, unsigned threads) const {
+    ReferenceSettings settings;
+    settings.points = 200;
+    settings.paths = 32;
+    settings.clearance = kTestClearance * samples_diagonal(package_.samples);
+    return trace_reference({scene_, *caster_, package_.samples, search_}, settings, number, threads,
+                           [] {});
+  }
+  static Package unshadowed() {
+    Package package;
+    package.samples = test::box_samples();
+    package.spaces = {{"direct", Space::Kind::kSampleIrradiance,
+                       static_cast<std::uint32_t>(package.samples.size())}};
+    package.program = {DirectLightStep{"direct", DirectLightStep::Shadow::kNone},
+                       ReconstructStep{"direct"}};
+    return package;
+  }
+
+  Scene scene_ = test::box_room(0.5F);
+  std::unique_ptr<RayCaster> caster_ = make_embree_ray_caster(scene_);
+  Package package_ = unshadowed();
+  SenderSearch search_{package_.samples};
+  Evaluator player_{package_};
+};
+
+TEST_F(Compare, DirectLightOfAnEmptyBoxIsExactAndIndirectIsMissing) {
+  const std::vector<LightErrors> lights = {compare(player_, trace(0, 1)),
+                                           compare(player_, trace(1, 1))};
+  const nlohmann::json report = error_report(lights);
+  EXPECT_LT(report["direct"]["rel_rmse"].get<double>(), kRounding);
+  EXPECT_LT(report["direct"]["surface"]["rel_rmse"].get<double>(), kRounding);
+  EXPECT_NEAR(report["indirect"]["rel_rmse"].get<double>(), 1.0, kRounding);
+  EXPECT_NEAR(report["indirect"]["surface"]["rel_rmse"].get<double>(), 1.0, kRounding);
+  EXPECT_EQ(report["visibility_error"].get<double>(), 0.0);
+  EXPECT_EQ(report["unreached_share"].get<double>(), 0.0);
+  EXPECT_EQ(report["lights"].get<std::size_t>(), 2U);
+}
+
+TEST_F(Compare, SeesAnErrorOfTenPerCent) {
+  LightReference reference = trace(0, 1);
+  for (auto& estimate : reference.at_samples.reference) {
+    for (Vec3f& half : estimate.direct) half /= 1.1F;
+  }
+  const LightErrors errors = compare(player_, reference);
+  EXPECT_NEAR(irradiance_error({&errors.direct, 1}).rel_rmse, 0.1, 1e-4);
+}
+
+TEST_F(Compare, SeesALightThatIsHidden) {
+  LightReference reference = trace(0, 1);
+  std::fill(reference.traced_visibility.begin(), reference.traced_visibility.end(), 0);
+  const LightErrors errors = compare(player_, reference);
+  EXPECT_EQ(visibility_error({&errors.visibility, 1}).wrong_share, 1.0);
+}
+
+TEST_F(Compare, ThreadsAndRepetitionChangeNothing) {
+  const LightReference one = trace(3, 1), two = trace(3, 2), other = trace(4, 1);
+  EXPECT_EQ(one.light.position, two.light.position);
+  EXPECT_NE(one.light.position, other.light.position);
+  ASSERT_EQ(one.on_surface.points.size(), two.on_surface.points.size());
+  for (std::size_t i = 0; i < one.on_surface.points.size(); ++i) {
+    EXPECT_EQ(one.on_surface.points[i].position, two.on_surface.points[i].position);
+    EXPECT_EQ(one.on_surface.reference[i].indirect, two.on_surface.reference[i].indirect);
+    EXPECT_EQ(one.at_samples.reference[i].indirect, two.at_samples.reference[i].indirect);
+  }
+}
+
+TEST_F(Compare, TestPointsAreOnTheInsideAndEvenlySpread) {
+  const LightReference reference = trace(0, 1);
+  const Vec3f centre = Vec3f::Constant(0.5F * test::kBoxSide);
+  int walls[3][2] = {};
+  for (const ReceiverPoint& p : reference.on_surface.points) {
+    EXPECT_GT(p.normal.dot(centre - p.position), 0.0F);
+    int axis = 0;
+    p.normal.cwiseAbs().maxCoeff(&axis);
+    ++walls[axis][p.normal[axis] > 0.0F];
+  }
+  // 200 points stratified over six equal walls.
+  for (const auto& pair : walls) {
+    for (const int count : pair) EXPECT_NEAR(count, 200 / 6, 3);
+  }
+  float weight = 0.0F;
+  for (const float w : reference.at_samples.weights) weight += w;
+  EXPECT_NEAR(weight, 1.0F, 1e-5F);
+}
+
+TEST_F(Compare, AsManyPointsAsSamplesMeansAllOfThem) {
+  LightReference reference;
+  ReferenceSettings settings;
+  settings.points = package_.samples.size();
+  choose_sample_points(package_.samples, settings, 0, reference);
+  EXPECT_EQ(reference.sample_index.size(), package_.samples.size());
+  EXPECT_EQ(reference.sample_index.back(), package_.samples.size() - 1);
+}
+
+}  // namespace
+}  // namespace prt
