@@ -261,22 +261,23 @@ void Coordinator::on(const InputUnsound& event) {
   const std::size_t index = find(event.task);
   const std::size_t input = find(event.input);
   if (index == kUnknown || input == kUnknown) return;
-  Task& task = tasks_[index];
+  const Task& task = tasks_[index];
   if (task.state == State::kAssigned && task.worker == event.worker) release(index);
   if (task.state == State::kDone || tasks_[input].state != State::kDone) return;
-  if (++task.distrusted > kMostDistrust) {
-    fail("the artifact of " + event.input + " was made again " + std::to_string(kMostDistrust) +
-         " times and still cannot be read; check the disk of the output folder");
-    return;
-  }
-  undo(input);
+  distrust(index, input);
 }
 
 void Coordinator::on(const ResultUnsound& event) {
   const std::size_t index = find(event.task);
   if (index == kUnknown || tasks_[index].state != State::kDone) return;
-  if (++tasks_[index].distrusted > kMostDistrust) {
-    fail("the artifact of " + event.task + " cannot be read; check the disk of the output folder");
+  distrust(index, index);
+}
+
+void Coordinator::distrust(std::size_t reader, std::size_t index) {
+  if (++distrust_[{reader, index}] > kMostDistrust) {
+    fail("the artifact of " + tasks_[index].spec.id + " was made again " +
+         std::to_string(kMostDistrust) +
+         " times and still cannot be read; check the disk of the output folder");
     return;
   }
   undo(index);

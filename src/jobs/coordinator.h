@@ -33,8 +33,8 @@ class Coordinator {
   struct Settings {
     SceneHashes scene;
     double lease_seconds = 0.0;  ///< a worker silent for longer is taken for lost; 0: never
-    /// KEYs whose artifact was let go on purpose once all that read it were done (store.keep: needed).
-    /// Their tasks count as done; one that is read after all is made again.
+    /// KEYs whose artifact was let go on purpose once all that read it were done (store.keep:
+    /// needed). Their tasks count as done; one that is read after all is made again.
     std::set<Digest> spared = {};
   };
 
@@ -62,7 +62,6 @@ class Coordinator {
     std::vector<std::size_t> inputs;
     std::vector<std::size_t> dependents;
     std::size_t missing = 0;  ///< inputs that are not done
-    int distrusted = 0;       ///< how often it could not trust an input that was done
     bool recorded = false;
     bool adopted = false;
     std::optional<Digest> key;
@@ -101,6 +100,7 @@ class Coordinator {
   void make_ready(std::size_t task);
   void finish(std::size_t task, const TaskDone& event);
   void undo(std::size_t task);
+  void distrust(std::size_t reader, std::size_t task);
   void lose(WorkerState& worker);
   void offer(WorkerId id, const WorkerState& worker);
   void hand_out();
@@ -123,6 +123,8 @@ class Coordinator {
   std::set<std::pair<int, WorkerId>> free_;  ///< (-free slots, worker): the freest first
   std::set<std::size_t, ReadyOrder> ready_;
   std::size_t undone_ = 0;
+  /// How often a reader could not trust a task's artifact; the planner counts as the task itself.
+  std::map<std::pair<std::size_t, std::size_t>, int> distrust_;
   double now_ = 0.0;
   bool last_plan_ = false;
   bool announced_ = true;

@@ -44,8 +44,8 @@ struct TaskDone {
   Digest content;
   bool adopted = false;
   TaskCost cost;
-  /// Numbers among the artifact's attributes (measured errors, ranks), for the report; empty if it was
-  /// adopted.
+  /// Numbers among the artifact's attributes (measured errors, ranks), for the report; empty if it
+  /// was adopted.
   nlohmann::json figures = nlohmann::json::object();
 };
 struct TaskFailed {

@@ -85,7 +85,11 @@ class CoordinatorLoop {
     } else if (std::holds_alternative<StageDone>(command)) {
       events_.push_back(host_.plan_on(coordinator_));
     } else if (std::holds_alternative<AllDone>(command)) {
-      end_ = LoopEnd{};
+      if (const auto event = host_.finish(coordinator_)) {
+        events_.push_back(*event);
+      } else {
+        end_ = LoopEnd{};
+      }
     } else if (const auto* fail = std::get_if<Fail>(&command)) {
       end_ = LoopEnd{fail->user_error ? ExitCode::kBadInput : ExitCode::kFailure, fail->message};
     }

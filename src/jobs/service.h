@@ -3,6 +3,8 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
+#include <string>
 
 #include "jobs/coordinator.h"
 #include "jobs/link.h"
@@ -18,6 +20,8 @@ class BakeHost {
   virtual void record(const Record& record) = 0;
   /// All planned tasks are done: plan on. Answers TasksAdded, or ResultUnsound.
   virtual Event plan_on(const Coordinator& coordinator) = 0;
+  /// All is done: write the results. Answers ResultUnsound to have an artifact made again first.
+  virtual std::optional<Event> finish(const Coordinator& coordinator) = 0;
   /// Called between any two events, at least every few milliseconds.
   virtual void tick(const Coordinator& coordinator, double now) = 0;
 };

@@ -7,9 +7,11 @@
 
 namespace prt {
 
-Host::Host(Planner& planner, BakeFolder& folder, bool keep_all, int verbosity)
+Host::Host(Planner& planner, BakeFolder& folder, WriteResults write_results, bool keep_all,
+           int verbosity)
     : planner_(planner),
       folder_(folder),
+      write_results_(std::move(write_results)),
       keep_all_(keep_all),
       progress_(verbosity),
       history_(folder.found().entries) {}
@@ -50,6 +52,10 @@ void Host::count_readers() {
       unfinished_readers_[input] += done_.contains(id) ? 0 : 1;
     }
   }
+  let_go_all();
+}
+
+void Host::let_go_all() {
   for (const auto& [task, readers] : unfinished_readers_) {
     if (readers == 0) let_go(task);
   }
@@ -64,9 +70,21 @@ void Host::let_go(const std::string& task) {
     return;
   }
   const TaskHistory& history = history_.tasks()[done_.at(task)];
+  if (folder_.store().bytes(history.stage, history.key) == 0) return;
   // Its line must be on the disk first: it tells a resume that this one was let go on purpose.
   folder_.manifest().sync();
   folder_.store().remove(history.stage, history.key);
+}
+
+std::optional<Event> Host::finish(const Coordinator& coordinator) {
+  if (!keep_all_) let_go_all();  // what was made a second time for a late reader
+  try {
+    write_results_(*this, [&](const std::string& task) { return coordinator.result(task); });
+  } catch (const ResultDistrusted& e) {
+    log::warn("{}; it will be made again", e.what());
+    return ResultUnsound{e.task};
+  }
+  return std::nullopt;
 }
 
 void Host::tick(const Coordinator& coordinator, double now) {

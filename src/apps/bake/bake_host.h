@@ -2,7 +2,9 @@
 // progress.
 #pragma once
 
+#include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -16,11 +18,16 @@ namespace prt {
 
 class Host : public BakeHost {
  public:
+  /// Writes package, index and report; throws ResultDistrusted.
+  using WriteResults = std::function<void(const Host& host, const FindResult& find)>;
+
   /// `keep_all`: no artifact is let go (store.keep).
-  Host(Planner& planner, BakeFolder& folder, bool keep_all, int verbosity);
+  Host(Planner& planner, BakeFolder& folder, WriteResults write_results, bool keep_all,
+       int verbosity);
 
   void record(const Record& record) override;
   Event plan_on(const Coordinator& coordinator) override;
+  std::optional<Event> finish(const Coordinator& coordinator) override;
   void tick(const Coordinator& coordinator, double now) override;
 
   [[nodiscard]] const BakePlan& plan() const { return plan_; }
@@ -29,9 +36,11 @@ class Host : public BakeHost {
  private:
   void count_readers();
   void let_go(const std::string& task);
+  void let_go_all();
 
   Planner& planner_;
   BakeFolder& folder_;
+  WriteResults write_results_;
   bool keep_all_;
   Progress progress_;
   History history_;

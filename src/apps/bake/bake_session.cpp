@@ -186,12 +186,12 @@ class Session {
     Planner planner(program_, *config_.method, config_.options, scene_, folder_->store());
     BakeRunner runner(world(folder_->store()));
     Slots slots(threads_, runner);
-    Host host(planner, *folder_, keep_all(), command_.verbosity);
+    const auto write = [&](const Host& host, const FindResult& find) {
+      finish(planner, host, find);
+    };
+    Host host(planner, *folder_, write, keep_all(), command_.verbosity);
     LoopEnd end = guarded([&] {
-      const LoopEnd loop =
-          run_coordinator(coordinator, host, ranks_.link(), slots, service_settings());
-      if (loop.code == ExitCode::kDone) finish(coordinator, planner, host);
-      return loop;
+      return run_coordinator(coordinator, host, ranks_.link(), slots, service_settings());
     });
     const LoopEnd closing = guarded([&] {
       folder_->manifest().sync();
@@ -215,8 +215,7 @@ class Session {
     }
   }
 
-  void finish(const Coordinator& coordinator, Planner& planner, Host& host) {
-    const auto find = [&](const std::string& task) { return coordinator.result(task); };
+  void finish(Planner& planner, const Host& host, const FindResult& find) {
     const auto result = [&](const std::string& task) { return planner.read(task, find); };
     const BakeFacts facts{program_, config_,        scene_,        isa_,
                           hosts_,   total_threads_, ranks_.size(), began_};

@@ -28,8 +28,13 @@ TEST(Messages, AnAssignmentSurvivesTheWire) {
 }
 
 TEST(Messages, ReportsSurviveTheWire) {
-  const TaskDone sent{
-      3, "rays/1", hash_text("k"), hash_text("c"), true, {12.5, 0.25, 0.2, 4096, 1}, {{"error", 0.5}}};
+  const TaskDone sent{3,
+                      "rays/1",
+                      hash_text("k"),
+                      hash_text("c"),
+                      true,
+                      {12.5, 0.25, 0.2, 4096, 1},
+                      {{"error", 0.5}}};
   const auto done = std::get<TaskDone>(decode_report(encode_report(sent)));
   EXPECT_EQ(done.worker, 3);
   EXPECT_EQ(done.key, sent.key);

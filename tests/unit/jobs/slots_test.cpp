@@ -92,9 +92,14 @@ class TwoStages : public BakeHost {
     added.last = true;
     return added;
   }
+  std::optional<Event> finish(const Coordinator&) override {
+    if (++finishes == 1) return ResultUnsound{"b/3"};
+    return std::nullopt;
+  }
   void tick(const Coordinator&, double) override {}
 
   int plans = 0;
+  int finishes = 0;
   std::vector<std::string> recorded;
 };
 
@@ -109,6 +114,7 @@ TEST(Service, OneRankRunsAWholeBake) {
     NoLink link;
     const LoopEnd end = run_coordinator(coordinator, host, link, slots, {});
     EXPECT_EQ(end.code, ExitCode::kDone);
+    EXPECT_EQ(host.finishes, 2);  // b/3 was made again
     EXPECT_EQ(host.recorded.size(), 10U);
     EXPECT_EQ(coordinator.undone(), 0U);
   }
