@@ -198,7 +198,9 @@ void replace_file(FileSystem& fs, const Path& path, std::span<const std::byte> b
     const auto file = fs.create(temporary);
     file->append(bytes);
     file->sync();
-    if (const auto read = fs.read(temporary); !std::ranges::equal(read, bytes)) {
+    const auto read = fs.read(temporary);
+    if (read.size() != bytes.size() ||
+        (!read.empty() && std::memcmp(read.data(), bytes.data(), read.size()) != 0)) {
       throw FileError(path, "write (what was read back differs)", EIO);
     }
     fs.rename(temporary, path);
