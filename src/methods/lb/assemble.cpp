@@ -2,6 +2,7 @@
 
 #include "methods/common/inputs.h"
 #include "methods/common/sampling.h"
+#include "methods/lb/plan.h"
 #include "methods/lb/tasks.h"
 #include "store/quantised_io.h"
 #include "store/samples_io.h"
@@ -42,12 +43,13 @@ ClusterProjection projection_of(const LightFunctions& light, const SampleSet& sa
 }
 
 /// Transfer artifacts of the last round: the highest of "transfer", "transfer-2", ... that there
-/// is.
+/// is. Plan::results names the last round alone, so there may be gaps below it.
 std::string transfer_stage(const Result& result, const OptionValues& options) {
   if (options.get<std::string>("lb.solver") == "photons") return "photon_transfer";
   std::string stage = "transfer";
-  for (int round = 2; result(numbered("transfer-" + std::to_string(round), 0)); ++round) {
-    stage = "transfer-" + std::to_string(round);
+  for (int round = 2; round <= kMostRounds; ++round) {
+    const std::string later = "transfer-" + std::to_string(round);
+    if (result(numbered(later, 0))) stage = later;
   }
   return stage;
 }

@@ -5,6 +5,9 @@
 
 namespace prt::lb {
 
+/// Rounds of snapshot bases at most; those after the first are called "transfer-2" and so on.
+inline constexpr int kMostRounds = 4;
+
 Plan make_plan(const PlanInputs& inputs);
 
 }  // namespace prt::lb
