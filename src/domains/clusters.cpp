@@ -11,8 +11,9 @@ namespace prt {
 
 namespace {
 
-/// Samples and their root see the same side: normals less than about 84° apart.
-constexpr float kClusterCosine = 0.1F;
+// How much a turned normal counts as distance: at right angles like twice the root radius. Clusters
+// of one orientation need fewer basis functions than clusters around corners.
+constexpr float kNormalWeight = 4.0F;
 
 /// Interleaves the bits of three 21-bit coordinates.
 std::uint64_t morton(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
@@ -57,7 +58,39 @@ ThinnedTo choose_roots(const LooseSamples& loose, std::size_t cluster_size) {
   const Candidates candidates{loose.positions, loose.normals, flat, loose.priorities};
   const std::size_t wanted =
       std::max<std::size_t>(1, (loose.positions.size() + cluster_size / 2) / cluster_size);
-  return thin_to_count(candidates, wanted, kClusterCosine);
+  return thin_to_count(candidates, wanted, kCompatibleCosine);
+}
+
+/// The compatible root nearest in position and normal, for every sample.
+std::vector<std::uint32_t> nearest_roots(const LooseSamples& loose, const ThinnedTo& roots) {
+  std::vector<Vec3f> positions;
+  std::vector<Vec3f> normals;
+  for (const auto r : roots.kept) {
+    positions.push_back(loose.positions[r]);
+    normals.push_back(loose.normals[r]);
+  }
+  const SampleGrid grid(positions, normals, roots.radius);
+  std::vector<std::uint32_t> nearest;
+  std::vector<std::uint32_t> near;
+  for (std::size_t i = 0; i < loose.positions.size(); ++i) {
+    near.clear();
+    // thin() is maximal: a compatible root lies within the radius, or the sample is one itself.
+    grid.within(loose.positions[i], 1.5F * roots.radius, near);
+    float best = kInfinity;
+    std::uint32_t chosen = kNone;
+    for (const auto r : near) {
+      const float cosine = loose.normals[i].dot(normals[r]);
+      if (cosine < kCompatibleCosine) continue;
+      const float squared = (loose.positions[i] - positions[r]).squaredNorm() +
+                            kNormalWeight * roots.radius * roots.radius * (1.0F - cosine);
+      if (squared < best || (squared == best && r < chosen)) {
+        best = squared;
+        chosen = r;
+      }
+    }
+    nearest.push_back(chosen);
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -71,19 +104,7 @@ ClusteredSamples cluster_samples(const LooseSamples& loose, std::size_t cluster_
     return result;
   }
   const ThinnedTo roots = choose_roots(loose, cluster_size);
-  std::vector<Vec3f> root_positions;
-  std::vector<Vec3f> root_normals;
-  for (const auto r : roots.kept) {
-    root_positions.push_back(loose.positions[r]);
-    root_normals.push_back(loose.normals[r]);
-  }
-  const SampleGrid grid(root_positions, root_normals, roots.radius);
-  std::vector<std::uint32_t> cluster(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    // thin() is maximal: a compatible root lies within the radius, or the sample is one.
-    cluster[i] =
-        grid.nearest(loose.positions[i], loose.normals[i], 1.0001F * roots.radius, kClusterCosine);
-  }
+  const std::vector<std::uint32_t> cluster = nearest_roots(loose, roots);
   const auto codes = curve_codes(loose.positions);
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0U);
@@ -99,8 +120,9 @@ ClusteredSamples cluster_samples(const LooseSamples& loose, std::size_t cluster_
     out.normals.push_back(loose.normals[i]);
     out.radii.push_back(loose.radii[i]);
     out.triangles.push_back(loose.triangles[i]);
-    const Vec3f root_tangent = frame_from_normal(root_normals[c]).col(0);
-    const Vec3f turned = turn(root_tangent, root_normals[c], loose.normals[i]);
+    const Vec3f& root_normal = loose.normals[roots.kept[c]];
+    const Vec3f root_tangent = frame_from_normal(root_normal).col(0);
+    const Vec3f turned = turn(root_tangent, root_normal, loose.normals[i]);
     const Vec3f& n = loose.normals[i];
     out.tangents.push_back((turned - n * n.dot(turned)).normalized());
     ++out.cluster_begin[c + 1];

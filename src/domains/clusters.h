@@ -23,10 +23,10 @@ struct ClusteredSamples {
 };
 
 /// Root points are a Poisson-disk subset with a larger radius, chosen so that there are about
-/// samples / cluster_size of them; each sample joins the nearest root within 90° of its own normal.
-/// Within a cluster samples follow a space-filling curve, so neighbours are near in memory. A
-/// sample's tangent is its root's, turned by the smallest rotation from the root's normal to its
-/// own.
+/// samples / cluster_size of them; each sample joins the nearest root whose normal is within 60° of
+/// its own, distance in position and normal together. Within a cluster samples follow a
+/// space-filling curve, so neighbours are near in memory. A sample's tangent is its root's, turned
+/// by the smallest rotation from the root's normal to its own.
 ClusteredSamples cluster_samples(const LooseSamples& loose, std::size_t cluster_size);
 
 }  // namespace prt

@@ -87,7 +87,7 @@ std::vector<TaskSpec> candidate_tasks(const PlanInputs& inputs) {
 }
 
 TaskSpec points_task(const PlanInputs& inputs, const std::vector<TaskSpec>& candidates) {
-  TaskSpec spec = task("points", "points", 1);
+  TaskSpec spec = task("points", "points", 2);
   for (const auto& c : candidates) spec.inputs.push_back(c.id);
   spec.scene_parts = kGeometry;
   const auto& options = inputs.options();
