@@ -32,7 +32,7 @@ SampleIrradiance play(const Evaluator& evaluator, const std::vector<Light>& ligh
 }
 
 TEST(Evaluator, DirectLightIsIntensityTimesCosineOverDistanceSquared) {
-  const Package room = synthetic_room();
+  const Package room = synthetic_room({.directions = 0});
   const Evaluator evaluator(room);
   const Light light = point_light({1.5F, 2.0F, 2.5F});
   const SampleIrradiance played = play(evaluator, {light});
@@ -42,7 +42,7 @@ TEST(Evaluator, DirectLightIsIntensityTimesCosineOverDistanceSquared) {
     const Vec3f expected = geometry * light.intensity;
     const Vec3f value = played.direct.row(static_cast<Eigen::Index>(i)).transpose();
     ASSERT_TRUE(value.isApprox(expected, kRounding)) << value.transpose();
-    ASSERT_NEAR(played.visibility[0][i], 1.0F, kRounding);  // the room is empty
+    ASSERT_EQ(played.visibility[0][i], 1.0F);
   }
 }
 
@@ -224,7 +224,7 @@ TEST(LightSamples, AreAsManyAsAskedForAndStratified) {
 }
 
 TEST(Reconstruction, LightAtAPointUsesItsOwnDistanceAndAngle) {
-  const Package room = synthetic_room();
+  const Package room = synthetic_room({.directions = 0});
   const Evaluator evaluator(room);
   const std::vector<Light> lights{point_light({2, 1.5F, 2})};
   const SampleIrradiance irradiance = play(evaluator, lights);
