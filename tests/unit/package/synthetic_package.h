@@ -16,8 +16,8 @@ struct SyntheticRoom {
 };
 
 /// Program e = direct light; c = integral of e over each cluster; i = ρ/(1−ρ) times the mean of e
-/// over the box; sum. Depth buffers hold the exact distance to the walls in full rank, so that
-/// nothing in the box is ever in shadow.
+/// over the box; sum. Depth buffers hold the exact distance to the walls in full rank;
+/// between their directions the soft test still shadows a little near the edges.
 Package synthetic_room(const SyntheticRoom& room = {});
 
 /// The room's geometry, with every feature that a package has to carry: two materials out of order,
