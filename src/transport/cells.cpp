@@ -19,11 +19,20 @@ std::vector<double> cumulative_areas(const Scene& scene) {
 namespace {
 
 constexpr int kReachRays = 16;
+constexpr float kLift = 0.25F;  // of the sample's radius
 
 bool sees_sample(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
                  std::uint32_t s, const Vec3f& position, const Vec3f& normal) {
-  return caster.visible(offset_origin(scene, position, normal),
-                        offset_origin(scene, samples.positions[s], samples.normals[s]));
+  const Vec3f from = offset_origin(scene, position, normal);
+  const Vec3f to = offset_origin(scene, samples.positions[s], samples.normals[s]);
+  if (caster.visible(from, to)) return true;
+  // Over the hill: a convex surface between the two does not hide them from each other. Straight up
+  // must be free as well, or the way would lead through a thin board.
+  const float lift = kLift * samples.radii[s];
+  const Vec3f above = from + lift * normal;
+  const Vec3f above_sample = to + lift * samples.normals[s];
+  return caster.visible(from, above) && caster.visible(to, above_sample) &&
+         caster.visible(above, above_sample);
 }
 
 /// Rays from a point whose nearest sample is hidden from it: reachable if one ends at a cell,

@@ -23,8 +23,8 @@ constexpr double kCandidatesPerSample = 24.0;
 constexpr std::size_t kCandidatesPerTask = 100000;
 constexpr std::size_t kRaysPerCandidate = 40;  // budget where most particles escape
 constexpr std::uint64_t kParticlesPerTask = std::uint64_t{1} << 40;
-// Points per sample cell: cell areas come out to about 5 %, cluster areas to 0.2 %.
-constexpr double kPointsPerCell = 64.0;
+// Points per sample cell: cell areas come out to about 8 %, cluster areas to 0.3 %.
+constexpr double kPointsPerCell = 32.0;
 constexpr std::uint64_t kPointsPerTask = 400000;
 constexpr std::uint64_t kMostPoints = 60'000'000;
 // A maximal Poisson-disk set of radius r has about this many samples per r².
@@ -108,7 +108,7 @@ std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
       std::clamp(area / per_point, 1000.0, static_cast<double>(kMostPoints)));
   std::vector<TaskSpec> result;
   for (std::uint64_t first = 0; first < total; first += kPointsPerTask) {
-    TaskSpec spec = task(numbered("cells", result.size()), "cells", 2);
+    TaskSpec spec = task(numbered("cells", result.size()), "cells", 3);
     spec.inputs = {"points"};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},

@@ -73,13 +73,13 @@ Package assemble_package(const Result& result, const OptionValues& options) {
   const auto n = static_cast<std::uint32_t>(package.samples.size());
   const std::size_t clusters = package.samples.clusters();
   package.visibility = visibility_of(result, clusters, options);
-  const LightFunctions light = get_light_functions(*result("light_functions"));
   const std::string stage = transfer_stage(result, options);
   const bool lit = result(numbered(stage, 0)) != nullptr;
 
   package.spaces = {{"direct", Space::Kind::kSampleIrradiance, n}};
   package.program = {DirectLightStep{"direct", DirectLightStep::Shadow::kDepth}};
   if (lit) {
+    const LightFunctions light = get_light_functions(*result("light_functions"));
     package.spaces.push_back({"light", Space::Kind::kClusterCoefficients, light.functions.count()});
     package.spaces.push_back({"indirect", Space::Kind::kSampleIrradiance, n});
     package.spaces.push_back({"total", Space::Kind::kSampleIrradiance, n});

@@ -77,7 +77,7 @@ class LeonhardtBohn : public Method {
          1000,
          {},
          "1",
-         "most basis functions per cluster for direct light (d2)",
+         "basis functions per cluster for direct light, in the mean (d2)",
          "LB §4.3.1"},
         {"lb.solver",
          Type::kText,

@@ -1,9 +1,14 @@
+#include <algorithm>
+#include <cmath>
+
 #include "base/random.h"
-#include "bases/function_basis.h"
+#include "bases/effect_basis.h"
+#include "domains/directions.h"
 #include "methods/common/inputs.h"
 #include "methods/lb/tasks.h"
 #include "transport/direct.h"
 #include "transport/free_space.h"
+#include "transport/hemisphere.h"
 
 namespace prt::lb {
 
@@ -14,7 +19,11 @@ namespace {
 constexpr float kClearance = 0.01F;
 // 1/r² of an example light is clipped below this share of the samples' diagonal; measured on
 // held-out lights, results/README.md.
-constexpr float kNearest = 0.05F;
+constexpr float kNearest = 0.04F;
+// Patches in which the effect of direct light is told apart, over the whole scene.
+constexpr std::size_t kPatches = 384;
+// A cluster may use up to this many times the mean number of light functions.
+constexpr int kMostPerRank = 4;
 
 }  // namespace
 
@@ -32,46 +41,144 @@ Artifact run_lights(const TaskSpec& task, const TaskReader& reader) {
   return out;
 }
 
+namespace {
+
+/// Patches of about equal size within clusters: where the effect of direct light is felt.
+struct Patches {
+  std::vector<std::uint32_t> of_sample;
+  std::vector<double> areas;
+};
+
+Patches make_patches(const SampleSet& samples) {
+  Patches patches;
+  const std::size_t size = (samples.size() + kPatches - 1) / kPatches;
+  for (std::size_t c = 0; c < samples.clusters(); ++c) {
+    const std::size_t n = samples.cluster_size(c);
+    const std::size_t count = std::max<std::size_t>(1, n / std::max<std::size_t>(1, size));
+    const auto first = static_cast<std::uint32_t>(patches.areas.size());
+    patches.areas.resize(first + count, 0.0);
+    // Samples of a cluster follow a space-filling curve: runs of them are compact.
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto patch = first + static_cast<std::uint32_t>(i * count / n);
+      patches.of_sample.push_back(patch);
+      patches.areas[patch] += samples.areas[samples.cluster_begin[c] + i];
+    }
+  }
+  return patches;
+}
+
+/// What irradiance on a cluster's samples causes: once-reflected flux into every patch over the
+/// root of its area, colour channels one below the other; rows × n_c. By reciprocity it is read off
+/// the cluster's own rays: A_s·G(s, patch) = A_patch·G(patch, s).
+MatrixF patch_effect(const Artifact& rays, const MatrixF& albedo, const VectorF& areas,
+                     const Patches& patches) {
+  const HemisphereDirections directions(rays.attribute<int>("directions"));
+  const auto senders = rays.values<std::uint32_t>("sender");
+  const Eigen::Index n = areas.size();
+  const auto m = static_cast<Eigen::Index>(patches.areas.size());
+  MatrixF share = MatrixF::Zero(n, m);  // of each sample's hemisphere
+  const auto count = static_cast<std::size_t>(directions.count());
+  for (Eigen::Index s = 0; s < n; ++s) {
+    const std::uint32_t* row = senders.data() + static_cast<std::size_t>(s) * count;
+    for (std::size_t d = 0; d < count; ++d) {
+      if (row[d] < kLostSender) share(s, patches.of_sample[row[d]]) += directions.weights()[d];
+    }
+  }
+  for (Eigen::Index p = 0; p < m; ++p) {
+    share.col(p) /= static_cast<float>(std::sqrt(patches.areas[static_cast<std::size_t>(p)]));
+  }
+  const bool grey = (albedo.rowwise().maxCoeff() - albedo.rowwise().minCoeff()).maxCoeff() == 0.0F;
+  const Eigen::Index channels = grey ? 1 : albedo.cols();
+  MatrixF effect(channels * m, n);
+  for (Eigen::Index c = 0; c < channels; ++c) {
+    effect.middleRows(c * m, m) =
+        share.transpose() * areas.cwiseProduct(albedo.col(c)).asDiagonal();
+  }
+  return effect;
+}
+
+/// One function for a cluster without effect: the constant.
+void add_constant(EffectBasis& basis, const VectorF& areas) {
+  basis.functions = MatrixF::Ones(1, areas.size());
+  basis.projections = areas.transpose() / areas.sum();
+  basis.strengths = VectorF::Zero(1);
+}
+
+void put_rows(Artifact& out, const EffectBasis& basis) {
+  out.put("functions", basis.functions, "1", "light functions: direct light that matters");
+  out.put("projections", basis.projections, "1",
+          "coefficient = sum of projection times irradiance");
+  out.put<float>("strengths",
+                 std::span<const float>(basis.strengths.data(),
+                                        static_cast<std::size_t>(basis.strengths.size())),
+                 {static_cast<std::uint64_t>(basis.strengths.size())}, "W/m",
+                 "effect that hangs on each function, over all example lights");
+}
+
+}  // namespace
+
 Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
   const SampleSet& samples = shared->samples;
   const auto cluster = task.parameters["cluster"].get<std::uint32_t>();
+  const std::uint32_t begin = samples.cluster_begin[cluster];
+  const std::uint32_t size = samples.cluster_size(cluster);
   std::vector<Vec3f> lights;
-  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+  for (std::size_t i = 3; i < task.inputs.size(); ++i) {
     const auto part = reader.input(i)->points("position");
     lights.insert(lights.end(), part.begin(), part.end());
   }
-  const MatrixF examples = direct_irradiance(
-      reader.scene(), reader.ray_caster(), samples, samples.cluster_begin[cluster],
-      samples.cluster_begin[cluster + 1], lights, kNearest * samples_diagonal(samples));
+  const MatrixF examples =
+      direct_irradiance(reader.scene(), reader.ray_caster(), samples, begin, begin + size, lights,
+                        kNearest * samples_diagonal(samples));
   check_stop(reader);
-  const FunctionBasis basis = make_function_basis(examples, cluster_areas(samples, cluster),
-                                                  task.parameters["rank"].get<int>());
-  Artifact out;
-  out.put("functions", basis.functions, "1/m", "light basis, orthonormal under cell areas");
   const VectorF areas = cluster_areas(samples, cluster);
-  out.put("coefficients", basis.functions * areas.asDiagonal() * examples.transpose(), "W/m",
-          "example lights in that basis");
-  out.put<float>("coefficient_rms",
-                 std::span<const float>(basis.coefficient_rms.data(),
-                                        static_cast<std::size_t>(basis.coefficient_rms.size())),
-                 {static_cast<std::uint64_t>(basis.coefficient_rms.size())}, "W/m",
-                 "root mean square coefficient over the example lights");
+  const MatrixF albedo = reader.input(1)->matrix("albedo").middleRows(begin, size);
+  const MatrixF effect = patch_effect(*reader.input(2), albedo, areas, make_patches(samples));
+  check_stop(reader);
+  EffectBasis basis =
+      make_effect_basis(effect, examples, kMostPerRank * task.parameters["rank"].get<int>());
+  if (basis.functions.rows() == 0) add_constant(basis, areas);
+  Artifact out;
+  put_rows(out, basis);
+  out.put("coefficients", basis.projections * examples.transpose(), "W/m^2",
+          "example lights in the light functions");
   out.attributes = {{"cluster", cluster},
-                    {"samples", samples.cluster_size(cluster)},
+                    {"samples", size},
                     {"rank", basis.functions.rows()},
                     {"energy", basis.energy},
-                    {"error", basis.error},
-                    {"orthonormality_defect", basis.defect}};
+                    {"error", std::sqrt(std::max(0.0, 1.0 - basis.energy))},
+                    {"biorthogonality_defect", basis.defect}};
   return out;
 }
 
 namespace {
 
-/// Sizes by which functions are scaled; an unlit function keeps a tiny one, so that light from
-/// where no example stood still counts.
-VectorF function_scales(VectorF rms) {
+/// How many functions each cluster keeps: those with the greatest effect of all, `mean` per cluster
+/// taken together, one at least.
+std::vector<Eigen::Index> share_out(const std::vector<VectorF>& strengths, std::size_t mean) {
+  struct Offer {
+    float strength;
+    std::uint32_t cluster;
+  };
+  std::vector<Offer> offers;
+  std::vector<Eigen::Index> kept(strengths.size(), 1);
+  for (std::uint32_t c = 0; c < strengths.size(); ++c) {
+    for (Eigen::Index k = 1; k < strengths[c].size(); ++k) offers.push_back({strengths[c][k], c});
+  }
+  std::stable_sort(offers.begin(), offers.end(),
+                   [](const Offer& a, const Offer& b) { return a.strength > b.strength; });
+  const std::size_t budget = (mean - 1) * strengths.size();
+  for (std::size_t i = 0; i < std::min(budget, offers.size()); ++i) ++kept[offers[i].cluster];
+  return kept;
+}
+
+/// Size of a function's coefficient over the example lights; where no example stood it keeps a tiny
+/// one, so that light from there still counts.
+VectorF typical_sizes(const MatrixF& coefficients) {
   constexpr float kLeast = 1e-3F;
+  const float lights = static_cast<float>(std::max<Eigen::Index>(1, coefficients.cols()));
+  const VectorF rms = coefficients.rowwise().norm() / std::sqrt(lights);
   const float largest = rms.size() > 0 ? rms.maxCoeff() : 0.0F;
   if (!(largest > 0.0F)) return VectorF::Ones(rms.size());
   return rms.cwiseMax(kLeast * largest);
@@ -86,19 +193,14 @@ ClusterFunctions get_functions(const Artifact& a) {
   return {a.vector<std::uint32_t>("begin"), a.matrix("values")};
 }
 
-/// Collects inputs 1.. as functions, one input per cluster; `scale` gives each function's factor.
-template <typename Scale>
-ClusterFunctions collect(const TaskSpec& task, const TaskReader& reader, const SampleSet& samples,
-                         Scale&& scale) {
+/// Functions of all clusters side by side; parts[c] is k_c × n_c.
+ClusterFunctions collect(const std::vector<MatrixF>& parts, const SampleSet& samples) {
   ClusterFunctions all;
   all.begin = {0};
-  std::vector<MatrixF> parts;
   Eigen::Index most = 0;
-  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
-    const auto part = reader.input(i);
-    parts.push_back(scale(*part).asDiagonal() * part->matrix("functions"));
-    all.begin.push_back(all.begin.back() + static_cast<std::uint32_t>(parts.back().rows()));
-    most = std::max(most, parts.back().rows());
+  for (const MatrixF& part : parts) {
+    all.begin.push_back(all.begin.back() + static_cast<std::uint32_t>(part.rows()));
+    most = std::max(most, part.rows());
   }
   all.values = MatrixF::Zero(static_cast<Eigen::Index>(samples.size()), most);
   for (std::size_t c = 0; c < parts.size(); ++c) {
@@ -108,43 +210,51 @@ ClusterFunctions collect(const TaskSpec& task, const TaskReader& reader, const S
   return all;
 }
 
-VectorF rms_of(const Artifact& part) {
-  const auto rms = part.values<float>("coefficient_rms");
-  return Eigen::Map<const VectorF>(rms.data(), static_cast<Eigen::Index>(rms.size()));
-}
-
 }  // namespace
 
 Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader) {
-  const auto shared = shared_samples(reader, 0);
-  const SampleSet& samples = shared->samples;
-  Artifact out;
-  put_functions(out, collect(task, reader, samples,
-                             [](const Artifact& part) { return function_scales(rms_of(part)); }));
-  const ClusterFunctions dual = collect(task, reader, samples, [](const Artifact& part) {
-    return VectorF(function_scales(rms_of(part)).cwiseInverse());
-  });
-  MatrixF coefficients(dual.count(), reader.input(1)->at("coefficients").dims.at(1));
-  for (std::size_t c = 0; c < samples.clusters(); ++c) {
-    const auto part = reader.input(c + 1);
-    coefficients.middleRows(dual.begin[c], dual.of(c)) =
-        function_scales(rms_of(*part)).cwiseInverse().asDiagonal() * part->matrix("coefficients");
+  const SampleSet& samples = shared_samples(reader, 0)->samples;
+  std::vector<VectorF> strengths;
+  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+    const auto values = reader.input(i)->values<float>("strengths");
+    strengths.emplace_back(
+        Eigen::Map<const VectorF>(values.data(), static_cast<Eigen::Index>(values.size())));
   }
-  out.put("coefficients", coefficients, "1", "example lights in the functions of all clusters");
-  const Eigen::Map<const VectorF> areas(samples.areas.data(),
-                                        static_cast<Eigen::Index>(samples.size()));
-  out.put("projections", areas.asDiagonal() * dual.values, "m^2/W",
+  const auto kept = share_out(strengths, task.parameters["rank"].get<std::size_t>());
+  std::vector<MatrixF> functions;
+  std::vector<MatrixF> projections;
+  std::vector<MatrixF> coefficients;
+  for (std::size_t c = 0; c < kept.size(); ++c) {
+    const auto part = reader.input(c + 1);
+    const MatrixF seen = part->matrix("coefficients").topRows(kept[c]);
+    const VectorF size = typical_sizes(seen);
+    functions.emplace_back(size.asDiagonal() * part->matrix("functions").topRows(kept[c]));
+    projections.emplace_back(size.cwiseInverse().asDiagonal() *
+                             part->matrix("projections").topRows(kept[c]));
+    coefficients.emplace_back(size.cwiseInverse().asDiagonal() * seen);
+  }
+  Artifact out;
+  const ClusterFunctions all = collect(functions, samples);
+  put_functions(out, all);
+  out.put("projections", collect(projections, samples).values, "m^2/W",
           "coefficient = sum over a cluster's samples of projection times irradiance");
+  MatrixF lights(all.count(), coefficients[0].cols());
+  for (std::size_t c = 0; c < kept.size(); ++c) {
+    lights.middleRows(all.begin[c], kept[c]) = coefficients[c];
+  }
+  out.put("coefficients", lights, "1", "example lights in the functions of all clusters");
+  out.attributes = {{"functions", all.count()},
+                    {"largest_rank", *std::max_element(kept.begin(), kept.end())}};
   return out;
 }
 
 Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader) {
-  const auto shared = shared_samples(reader, 0);
+  std::vector<MatrixF> functions;
+  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+    functions.push_back(reader.input(i)->matrix("functions"));
+  }
   Artifact out;
-  put_functions(
-      out, collect(task, reader, shared->samples, [](const Artifact& part) {
-        return VectorF(VectorF::Ones(static_cast<Eigen::Index>(part.at("functions").dims[0])));
-      }));
+  put_functions(out, collect(functions, shared_samples(reader, 0)->samples));
   return out;
 }
 

@@ -35,7 +35,6 @@ class Planner {
     begin_ = samples->vector<std::uint32_t>("cluster_begin");
     plan_.results = {kSamplesTask};
     plan_visibility();
-    plan_lights();
     const auto albedo = in_.result(kAlbedoTask);
     if (!albedo) return;
     const double largest = albedo->attribute<double>("largest");
@@ -44,6 +43,7 @@ class Planner {
       plan_.complete = true;
       return;
     }
+    plan_lights();
     channels_ = 3;
     if (albedo->attribute<double>("colour_spread") <= kGreySpread) {
       channels_ = 1;
@@ -109,7 +109,7 @@ class Planner {
       plan_.tasks.push_back(spec);
     }
     per_cluster("light_basis", "light_basis", [&](TaskSpec& spec, std::size_t c) {
-      spec.inputs = {kSamplesTask};
+      spec.inputs = {kSamplesTask, kAlbedoTask, numbered("rays", c)};
       spec.inputs.insert(spec.inputs.end(), lights.begin(), lights.end());
       spec.scene_parts = kGeometry;
       spec.parameters["rank"] = options_.get<int>("lb.light_rank");
@@ -117,7 +117,9 @@ class Planner {
     });
     std::vector<std::string> inputs = all("light_basis", clusters_);
     inputs.insert(inputs.begin(), kSamplesTask);
-    plan_.tasks.push_back(make("light_functions", kLightFunctions, inputs, kNoScene, 1.0));
+    TaskSpec bundle = make("light_functions", kLightFunctions, inputs, kNoScene, 1.0);
+    bundle.parameters["rank"] = options_.get<int>("lb.light_rank");
+    plan_.tasks.push_back(bundle);
     plan_.results.emplace_back(kLightFunctions);
   }
 

@@ -11,7 +11,7 @@ Artifact run_visibility(const TaskSpec& task, const TaskReader& reader);
 
 /// samples → positions of example lights (LB §4.3.1).
 Artifact run_lights(const TaskSpec& task, const TaskReader& reader);
-/// samples, lights/* → orthonormal basis of direct light on a cluster.
+/// samples, albedo, rays/c, lights/* → basis of direct light on a cluster, by effect.
 Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader);
 /// samples, light_basis/* → all clusters' functions side by side (bundle).
 Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader);
