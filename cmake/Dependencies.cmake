@@ -17,4 +17,5 @@ find_package(nlohmann_json 3.11 CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 find_package(GTest CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
+pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)  # the decoder inside TinyGLTF
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)

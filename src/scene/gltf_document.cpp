@@ -1,6 +1,7 @@
 #include "scene/gltf_document.h"
 
 #include <fmt/format.h>
+#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +11,8 @@
 #include <optional>
 
 #include "scene/gltf_accessor.h"
+#include "scene/gltf_check.h"
+#include "scene/gltf_tiny.h"
 
 namespace prt::gltf {
 namespace fs = std::filesystem;
@@ -19,8 +22,8 @@ constexpr std::uint32_t kGlbMagic = 0x46546C67;     // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;    // "JSON"
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;  // "BIN"
 
-std::vector<std::byte> read_file(const fs::path& path, const std::string& scene_name,
-                                 std::string_view what) {
+std::vector<unsigned char> read_file(const fs::path& path, const std::string& scene_name,
+                                     std::string_view what) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) fail(scene_name, fmt::format("{} does not exist", what));
@@ -28,7 +31,7 @@ std::vector<std::byte> read_file(const fs::path& path, const std::string& scene_
   std::ifstream stream(path, std::ios::binary);
   const std::uintmax_t size = fs::file_size(path, error);
   if (!stream || error) fail(scene_name, fmt::format("{} cannot be read", what));
-  std::vector<std::byte> bytes(size);
+  std::vector<unsigned char> bytes(size);
   stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
     fail(scene_name, fmt::format("{} cannot be read to its end", what));
@@ -64,6 +67,8 @@ std::string percent_decoded(const std::string& uri) {
 }
 
 bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
+/// tinygltf counts the characters of a data URI in int.
+constexpr std::size_t kMaxDataUri = std::size_t{1} << 31;
 
 /// RFC 3986: scheme = ALPHA *( ALPHA / DIGIT / "+" / "-" / "." ) ":"
 bool has_scheme(std::string_view uri) {
@@ -74,36 +79,6 @@ bool has_scheme(std::string_view uri) {
            return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '+' || c == '-' ||
                   c == '.';
          });
-}
-
-/// RFC 4648; empty if the text is not base64.
-std::optional<std::vector<std::byte>> base64_decoded(std::string_view text) {
-  while (!text.empty() && text.back() == '=') text.remove_suffix(1);
-  std::vector<std::byte> bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : text) {
-    std::uint32_t value = 0;
-    if (c >= 'A' && c <= 'Z') {
-      value = static_cast<std::uint32_t>(c - 'A');
-    } else if (c >= 'a' && c <= 'z') {
-      value = static_cast<std::uint32_t>(c - 'a') + 26;
-    } else if (c >= '0' && c <= '9') {
-      value = static_cast<std::uint32_t>(c - '0') + 52;
-    } else if (c == '+' || c == '/') {
-      value = c == '+' ? 62 : 63;
-    } else {
-      return std::nullopt;
-    }
-    bits = (bits << 6) | value;
-    count += 6;
-    if (count >= 8) {
-      count -= 8;
-      bytes.push_back(static_cast<std::byte>((bits >> count) & 0xff));
-    }
-  }
-  return bytes;
 }
 
 bool is_supported(const std::string& extension) {
@@ -117,19 +92,31 @@ bool is_supported(const std::string& extension) {
 }  // namespace
 
 Document::Document(const fs::path& file) : file_(file), name_(file.string()) {
-  const std::vector<std::byte> bytes = read_file(file, name_, "the file");
+  const std::vector<unsigned char> bytes = read_file(file, name_, "the file");
   if (bytes.empty()) fail(name_, "the file is empty");
-  parse(bytes);
-  for (std::uint32_t i = 0; i < root().count_of("bufferViews"); ++i) static_cast<void>(view(i));
-  for (std::uint32_t i = 0; i < root().count_of("accessors"); ++i) Accessor(*this, i);
+  std::vector<Bytes> buffers = parse(std::as_bytes(std::span(bytes)));
+  for (const Bytes& buffer : buffers) buffers_.push_back(std::as_bytes(std::span(buffer)));
+  check();
+  model_ = tiny_model(*this, std::move(buffers));
+  buffers_.clear();
+  for (const tinygltf::Buffer& buffer : model_->buffers) {
+    buffers_.push_back(std::as_bytes(std::span(buffer.data)));
+  }
 }
 
-void Document::parse(std::span<const std::byte> bytes) {
+Document::~Document() = default;
+
+void Document::check() const {
+  for (std::uint32_t i = 0; i < root().count_of("bufferViews"); ++i) static_cast<void>(view(i));
+  for (std::uint32_t i = 0; i < root().count_of("accessors"); ++i) Accessor(*this, i);
+  check_contents(*this);
+}
+
+std::vector<Document::Bytes> Document::parse(std::span<const std::byte> bytes) {
   const bool is_glb = bytes.size() >= 4 && word_at(bytes, 0) == kGlbMagic;
   if (!is_glb) {
     parse_json(bytes);
-    load_buffers({}, false);
-    return;
+    return load_buffers({}, false);
   }
   if (bytes.size() < 20) fail(name_, "the file is truncated: a .glb has at least 20 bytes");
   if (word_at(bytes, 4) != 2) {
@@ -157,7 +144,7 @@ void Document::parse(std::span<const std::byte> bytes) {
     }
     offset += 8 + size;
   }
-  load_buffers(binary, has_binary);
+  return load_buffers(binary, has_binary);
 }
 
 void Document::parse_json(std::span<const std::byte> bytes) {
@@ -196,14 +183,18 @@ void Document::check_extensions() const {
   }
 }
 
-void Document::load_buffers(std::span<const std::byte> binary_chunk, bool has_chunk) {
+std::vector<Document::Bytes> Document::load_buffers(std::span<const std::byte> binary_chunk,
+                                                    bool has_chunk) const {
+  std::vector<Bytes> buffers;
   for (const Value& buffer : root().list("buffers")) {
     const std::uint64_t length = buffer["byteLength"].whole();
-    std::vector<std::byte> bytes;
+    if (length == 0) buffer["byteLength"].fail("it must be at least 1");
+    Bytes bytes;
     if (const std::optional<Value> uri = buffer.find("uri")) {
       bytes = resource(*uri);
-    } else if (buffers_.empty() && has_chunk) {
-      bytes.assign(binary_chunk.begin(), binary_chunk.end());
+    } else if (buffers.empty() && has_chunk) {
+      const auto* begin = reinterpret_cast<const unsigned char*>(binary_chunk.data());
+      bytes.assign(begin, begin + std::min<std::uint64_t>(binary_chunk.size(), length));
     } else {
       buffer.fail("it has no 'uri', and the file no binary chunk for it");
     }
@@ -211,8 +202,9 @@ void Document::load_buffers(std::span<const std::byte> binary_chunk, bool has_ch
       buffer.fail(fmt::format("{} bytes are promised, {} are there", length, bytes.size()));
     }
     bytes.resize(length);
-    buffers_.push_back(std::move(bytes));
+    buffers.push_back(std::move(bytes));
   }
+  return buffers;
 }
 
 std::span<const std::byte> Document::view(std::uint32_t index) const {
@@ -228,18 +220,18 @@ std::span<const std::byte> Document::view(std::uint32_t index) const {
   return bytes.subspan(offset, length);
 }
 
-std::vector<std::byte> Document::resource(const Value& uri) const {
+std::vector<unsigned char> Document::resource(const Value& uri) const {
   const std::string text = uri.text();
   if (!is_data_uri(text)) {
     return read_file(local_file(uri), name_, fmt::format("its resource '{}'", text));
   }
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos || !std::string_view(text).substr(0, comma).ends_with(";base64")) {
-    uri.fail("a data URI must be in base64");
+  if (!tinygltf::IsDataURI(text) || text.size() >= kMaxDataUri) {
+    uri.fail("a data URI must be in base64, and of a type that glTF names");
   }
-  auto bytes = base64_decoded(std::string_view(text).substr(comma + 1));
-  if (!bytes) uri.fail("its base64 is damaged");
-  return std::move(*bytes);
+  std::vector<unsigned char> bytes;
+  std::string type;
+  if (!tinygltf::DecodeDataURI(&bytes, type, text, 0, false)) uri.fail("its base64 is damaged");
+  return bytes;
 }
 
 void Document::check_uri(const Value& uri) const {

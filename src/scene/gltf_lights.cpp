@@ -1,9 +1,8 @@
 #include "scene/gltf_lights.h"
 
-#include <fmt/format.h>
+#include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "base/log.h"
 
@@ -26,55 +25,30 @@ Vec3f world_position(const WorldNode& node) {
   return position;
 }
 
-void read_spot(const Value& json, SceneLight& light) {
-  const std::optional<Value> spot = json.find("spot");
-  const double inner = spot ? spot->number_or("innerConeAngle", 0.0) : 0.0;
-  const double outer = spot ? spot->number_or("outerConeAngle", EIGEN_PI / 4.0) : EIGEN_PI / 4.0;
-  if (inner < 0.0 || inner >= outer || outer > EIGEN_PI / 2.0 + 1e-6) {
-    json.fail("its cone angles must satisfy 0 <= inner < outer <= pi/2");
-  }
-  light.inner_angle = static_cast<float>(inner);
-  light.outer_angle = static_cast<float>(outer);
-}
-
-SceneLight read_light(const Value& json, const WorldNode& node) {
+SceneLight read_light(const tinygltf::Light& from, const WorldNode& node) {
   SceneLight light;
-  light.name = json.text_or("name", "");
-  const std::string type = json["type"].text();
-  if (type == "point") {
-    light.kind = SceneLight::Kind::kPoint;
-  } else if (type == "directional") {
-    light.kind = SceneLight::Kind::kSun;
-  } else if (type == "spot") {
+  light.name = from.name;
+  if (from.type == "directional") light.kind = SceneLight::Kind::kSun;
+  if (from.type == "spot") {
     light.kind = SceneLight::Kind::kSpot;
-    read_spot(json, light);
-  } else {
-    json["type"].fail(fmt::format("'{}' is not point, spot or directional", type));
+    light.inner_angle = static_cast<float>(from.spot.innerConeAngle);
+    light.outer_angle = static_cast<float>(from.spot.outerConeAngle);
   }
   Eigen::Vector3d colour = Eigen::Vector3d::Ones();
-  if (const std::optional<Value> member = json.find("color")) {
-    colour = Eigen::Map<const Eigen::Vector3d>(member->numbers(3).data());
-  }
-  const double intensity = json.number_or("intensity", 1.0);
-  light.intensity = (intensity / kLumensPerWatt * colour).cast<float>();
-  if (!light.intensity.allFinite() || light.intensity.minCoeff() < 0.0F) {
-    json.fail("its intensity and color must be finite and not negative");
-  }
+  if (!from.color.empty()) colour = Eigen::Map<const Eigen::Vector3d>(from.color.data());
+  light.intensity = (from.intensity / kLumensPerWatt * colour).cast<float>();
+  if (!light.intensity.allFinite()) node.json.fail("the intensity of its light is not finite");
   light.position = world_position(node);
   light.direction = world_direction(node, -Eigen::Vector3d::UnitZ(), -Vec3f::UnitZ());
   return light;
 }
 
-SceneCamera read_camera(const Value& json, const WorldNode& node) {
+SceneCamera read_camera(const tinygltf::Camera& from, const WorldNode& node) {
   SceneCamera camera;
   camera.eye = world_position(node);
   camera.target = camera.eye + world_direction(node, -Eigen::Vector3d::UnitZ(), -Vec3f::UnitZ());
   camera.up = world_direction(node, Eigen::Vector3d::UnitY(), Vec3f::UnitY());
-  if (const std::optional<Value> perspective = json.find("perspective")) {
-    const double fov = (*perspective)["yfov"].number();
-    if (!(fov > 0.0) || fov >= EIGEN_PI) perspective->fail("yfov must lie between 0 and pi");
-    camera.vertical_fov = static_cast<float>(fov);
-  }
+  if (from.type == "perspective") camera.vertical_fov = static_cast<float>(from.perspective.yfov);
   return camera;
 }
 
@@ -82,22 +56,15 @@ SceneCamera read_camera(const Value& json, const WorldNode& node) {
 
 void load_lights_and_camera(const Document& document, const std::vector<WorldNode>& nodes,
                             Scene& scene) {
-  const Value root = document.root();
-  const std::optional<Value> extensions = root.find("extensions");
-  const std::optional<Value> lights =
-      extensions ? extensions->find("KHR_lights_punctual") : std::nullopt;
+  const tinygltf::Model& model = document.model();
   for (const WorldNode& node : nodes) {
-    if (const std::optional<Value> camera = node.json.find("camera")) {
-      const std::uint32_t index = camera->index(root.count_of("cameras"), "cameras");
-      if (!scene.camera) scene.camera = read_camera(root.element("cameras", index), node);
+    if (node.node->camera >= 0 && !scene.camera) {
+      scene.camera = read_camera(model.cameras[static_cast<std::size_t>(node.node->camera)], node);
     }
-    const std::optional<Value> of_node = node.json.find("extensions");
-    const std::optional<Value> holder =
-        of_node ? of_node->find("KHR_lights_punctual") : std::nullopt;
-    if (!holder) continue;
-    const std::uint32_t index =
-        (*holder)["light"].index(lights ? lights->count_of("lights") : 0, "lights");
-    scene.lights.push_back(read_light(lights->element("lights", index), node));
+    const auto holder = node.node->extensions.find("KHR_lights_punctual");
+    if (holder == node.node->extensions.end()) continue;
+    const int index = holder->second.Get("light").GetNumberAsInt();
+    scene.lights.push_back(read_light(model.lights[static_cast<std::size_t>(index)], node));
   }
   if (!scene.lights.empty()) {
     log::info("{}: {} lights; candela and lux divided by {} lm/W", document.name(),

@@ -1,122 +1,72 @@
 #include "scene/gltf_material.h"
 
 #include <fmt/format.h>
+#include <tiny_gltf.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 
 namespace prt::gltf {
 namespace {
 
-Texture::Wrap wrap_mode(const Value& sampler, const char* key) {
-  switch (sampler.whole_or(key, 10497)) {
-    case 10497:
-      return Texture::Wrap::kRepeat;
-    case 33071:
-      return Texture::Wrap::kClamp;
-    case 33648:
-      return Texture::Wrap::kMirror;
-    default:
-      sampler[key].fail("it is not a wrap mode of glTF");
-  }
-}
-
-std::optional<Value> extension(const Value& value, const char* name) {
-  const std::optional<Value> extensions = value.find("extensions");
-  return extensions ? extensions->find(name) : std::nullopt;
+Texture::Wrap wrap_mode(int mode) {
+  if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Texture::Wrap::kClamp;
+  if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return Texture::Wrap::kMirror;
+  return Texture::Wrap::kRepeat;
 }
 
 /// Loads each image once for each pair of wrap modes it is used with.
 class TextureLoader {
  public:
-  TextureLoader(const Document& document, Scene& scene)
-      : root_(document.root()), document_(document), scene_(scene) {
-    check_all();
-  }
+  TextureLoader(const Document& document, Scene& scene) : document_(document), scene_(scene) {}
 
   /// Index into Scene::textures; kNone if the texture has no image that glTF itself knows.
-  std::uint32_t load(std::uint32_t texture_index) {
-    const Value texture = root_.element("textures", texture_index);
-    const std::optional<Value> source = texture.find("source");
-    if (!source) return kNone;
-    const std::uint32_t image = source->index(root_.count_of("images"), "images");
-    Texture::Wrap wrap_u = Texture::Wrap::kRepeat;
-    Texture::Wrap wrap_v = Texture::Wrap::kRepeat;
-    if (const std::optional<Value> sampler = texture.find("sampler")) {
-      const Value json =
-          root_.element("samplers", sampler->index(root_.count_of("samplers"), "samplers"));
-      wrap_u = wrap_mode(json, "wrapS");
-      wrap_v = wrap_mode(json, "wrapT");
+  std::uint32_t load(int texture_index) {
+    const tinygltf::Model& model = document_.model();
+    const tinygltf::Texture& from = model.textures[static_cast<std::size_t>(texture_index)];
+    if (from.source < 0) return kNone;
+    Texture texture;
+    if (from.sampler >= 0) {
+      const tinygltf::Sampler& sampler = model.samplers[static_cast<std::size_t>(from.sampler)];
+      texture.wrap_u = wrap_mode(sampler.wrapS);
+      texture.wrap_v = wrap_mode(sampler.wrapT);
     }
-    const auto key = std::tuple(image, wrap_u, wrap_v);
+    const auto key = std::tuple(from.source, texture.wrap_u, texture.wrap_v);
     if (const auto known = loaded_.find(key); known != loaded_.end()) return known->second;
-    Texture result;
-    result.wrap_u = wrap_u;
-    result.wrap_v = wrap_v;
-    const Value image_json = root_.element("images", image);
-    decode_image(image_bytes(image_json), image_json, result);
-    scene_.textures.push_back(std::move(result));
+    const auto image = static_cast<std::size_t>(from.source);
+    decode_image(model.images[image].image, document_.root().element("images", image), texture);
+    scene_.textures.push_back(std::move(texture));
     const auto index = static_cast<std::uint32_t>(scene_.textures.size() - 1);
     loaded_.emplace(key, index);
     return index;
   }
 
  private:
-  /// Textures that shading does not need are not decoded, but their references must be sound.
-  void check_all() const {
-    for (const Value& texture : root_.list("textures")) {
-      if (const auto source = texture.find("source")) {
-        static_cast<void>(source->index(root_.count_of("images"), "images"));
-      }
-      if (const auto sampler = texture.find("sampler")) {
-        static_cast<void>(sampler->index(root_.count_of("samplers"), "samplers"));
-      }
-    }
-    for (const Value& image : root_.list("images")) {
-      if (const auto uri = image.find("uri")) {
-        document_.check_uri(*uri);
-      } else {
-        static_cast<void>(image_view(image));
-      }
-    }
-  }
-
-  [[nodiscard]] std::uint32_t image_view(const Value& image) const {
-    return image["bufferView"].index(root_.count_of("bufferViews"), "bufferViews");
-  }
-
-  [[nodiscard]] std::vector<std::byte> image_bytes(const Value& image) const {
-    if (const std::optional<Value> uri = image.find("uri")) return document_.resource(*uri);
-    const std::span<const std::byte> bytes = document_.view(image_view(image));
-    return {bytes.begin(), bytes.end()};
-  }
-
-  Value root_;
   const Document& document_;
   Scene& scene_;
-  std::map<std::tuple<std::uint32_t, Texture::Wrap, Texture::Wrap>, std::uint32_t> loaded_;
+  std::map<std::tuple<int, Texture::Wrap, Texture::Wrap>, std::uint32_t> loaded_;
 };
 
-TextureCoordinates texture_coordinates(const Value& texture_info) {
+TextureCoordinates texture_coordinates(const tinygltf::TextureInfo& info) {
   TextureCoordinates coordinates;
-  std::uint64_t set = texture_info.whole_or("texCoord", 0);
-  if (const std::optional<Value> transform = extension(texture_info, "KHR_texture_transform")) {
-    set = transform->whole_or("texCoord", set);
-    const auto pair = [&](const char* key, double fallback) {
-      const std::optional<Value> member = transform->find(key);
-      if (!member) return Eigen::Vector2d(fallback, fallback);
-      const std::vector<double> numbers = member->numbers(2);
-      return Eigen::Vector2d(numbers[0], numbers[1]);
-    };
-    // The extension turns counter-clockwise with v downwards: the matrix of the opposite angle.
-    coordinates.transform = Eigen::Translation2d(pair("offset", 0.0)) *
-                            Eigen::Rotation2Dd(-transform->number_or("rotation", 0.0)) *
-                            Eigen::Scaling(pair("scale", 1.0));
+  coordinates.set = static_cast<std::uint32_t>(info.texCoord);
+  const auto found = info.extensions.find("KHR_texture_transform");
+  if (found == info.extensions.end()) return coordinates;
+  const tinygltf::Value& transform = found->second;
+  if (transform.Has("texCoord")) {
+    coordinates.set = static_cast<std::uint32_t>(transform.Get("texCoord").GetNumberAsInt());
   }
-  if (set > 255) texture_info.fail("its texCoord is not a set of texture coordinates");
-  coordinates.set = static_cast<std::uint32_t>(set);
+  const auto pair = [&](const char* key, double fallback) {
+    if (!transform.Has(key)) return Eigen::Vector2d(fallback, fallback);
+    const tinygltf::Value& member = transform.Get(key);
+    return Eigen::Vector2d(member.Get(0).GetNumberAsDouble(), member.Get(1).GetNumberAsDouble());
+  };
+  const double angle =
+      transform.Has("rotation") ? transform.Get("rotation").GetNumberAsDouble() : 0.0;
+  // The extension turns counter-clockwise with v downwards: the matrix of the opposite angle.
+  coordinates.transform = Eigen::Translation2d(pair("offset", 0.0)) * Eigen::Rotation2Dd(-angle) *
+                          Eigen::Scaling(pair("scale", 1.0));
   return coordinates;
 }
 
@@ -127,8 +77,7 @@ struct Ignored {
   std::uint64_t without_image = 0;
 };
 
-void read_base_colour(const Value& factor, Material& material, RepairReport& repairs) {
-  const std::vector<double> rgba = factor.numbers(4);
+void read_base_colour(const std::vector<double>& rgba, Material& material, RepairReport& repairs) {
   const auto clamped = [](double x) { return static_cast<float>(std::clamp(x, 0.0, 1.0)); };
   material.base_color = {clamped(rgba[0]), clamped(rgba[1]), clamped(rgba[2])};
   material.base_alpha = clamped(rgba[3]);
@@ -137,23 +86,21 @@ void read_base_colour(const Value& factor, Material& material, RepairReport& rep
   repairs.clamped_albedos += outside ? 1 : 0;
 }
 
-void read_alpha_mode(const Value& json, Material& material, Ignored& ignored) {
-  const std::string mode = json.text_or("alphaMode", "OPAQUE");
-  material.alpha_mask = mode == "MASK";
-  ignored.blended += mode == "BLEND" ? 1 : 0;
-  if (!material.alpha_mask && mode != "BLEND" && mode != "OPAQUE") {
-    json["alphaMode"].fail(fmt::format("'{}' is not OPAQUE, MASK or BLEND", mode));
-  }
-  const double cutoff = json.number_or("alphaCutoff", 0.5);
-  if (cutoff < 0.0) json["alphaCutoff"].fail("it is negative");
-  material.alpha_cutoff = static_cast<float>(std::min(cutoff, 2.0));  // above 1: nothing is there
-}
-
-bool emits(const Value& json) {
-  const std::optional<Value> factor = json.find("emissiveFactor");
-  if (!factor) return false;
-  const std::vector<double> rgb = factor->numbers(3);
-  return std::any_of(rgb.begin(), rgb.end(), [](double x) { return x > 0.0; });
+Material read_material(const tinygltf::Material& from, RepairReport& repairs, Ignored& ignored) {
+  Material material;
+  material.name = from.name;
+  material.double_sided = from.doubleSided;
+  material.alpha_mask = from.alphaMode == "MASK";
+  material.alpha_cutoff =
+      static_cast<float>(std::min(from.alphaCutoff, 2.0));  // above 1: nothing is there
+  read_base_colour(from.pbrMetallicRoughness.baseColorFactor, material, repairs);
+  const std::vector<double>& emission = from.emissiveFactor;
+  const bool emits =
+      std::any_of(emission.begin(), emission.end(), [](double x) { return x > 0.0; });
+  ignored.blended += from.alphaMode == "BLEND" ? 1 : 0;
+  ignored.emissive += emits ? 1 : 0;
+  ignored.unlit += from.extensions.contains("KHR_materials_unlit") ? 1 : 0;
+  return material;
 }
 
 void add_note(RepairReport& repairs, std::uint64_t count, std::string_view what) {
@@ -166,26 +113,16 @@ std::vector<TextureCoordinates> load_materials(const Document& document, Scene& 
   TextureLoader textures(document, scene);
   std::vector<TextureCoordinates> coordinates;
   Ignored ignored;
-  for (const Value& json : document.root().list("materials")) {
-    Material material;
+  for (const tinygltf::Material& from : document.model().materials) {
+    Material material = read_material(from, scene.repairs, ignored);
     TextureCoordinates uv;
-    material.name = json.text_or("name", "");
-    material.double_sided = json.boolean_or("doubleSided", false);
-    read_alpha_mode(json, material, ignored);
-    if (const auto pbr = json.find("pbrMetallicRoughness")) {
-      if (const auto factor = pbr->find("baseColorFactor")) {
-        read_base_colour(*factor, material, scene.repairs);
-      }
-      if (const auto texture = pbr->find("baseColorTexture")) {
-        uv = texture_coordinates(*texture);
-        material.texture = textures.load(
-            (*texture)["index"].index(document.root().count_of("textures"), "textures"));
-        ignored.without_image += material.texture == kNone ? 1 : 0;
-      }
+    const tinygltf::TextureInfo& texture = from.pbrMetallicRoughness.baseColorTexture;
+    if (texture.index >= 0) {
+      uv = texture_coordinates(texture);
+      material.texture = textures.load(texture.index);
+      ignored.without_image += material.texture == kNone ? 1 : 0;
     }
-    ignored.emissive += emits(json) ? 1 : 0;
-    ignored.unlit += extension(json, "KHR_materials_unlit") ? 1 : 0;
-    scene.materials.push_back(material);
+    scene.materials.push_back(std::move(material));
     coordinates.push_back(uv);
   }
   add_note(scene.repairs, scene.repairs.clamped_albedos, "base colours clamped to [0, 1]");

@@ -22,6 +22,6 @@ std::vector<TextureCoordinates> load_materials(const Document& document, Scene& 
 
 /// Decodes PNG or JPEG bytes; fills width, height, rgba, encoded and mime_type. `where` is whom to
 /// blame.
-void decode_image(std::vector<std::byte> encoded, const Value& where, Texture& texture);
+void decode_image(const std::vector<unsigned char>& encoded, const Value& where, Texture& texture);
 
 }  // namespace prt::gltf

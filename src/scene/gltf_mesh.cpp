@@ -1,6 +1,7 @@
 #include "scene/gltf_mesh.h"
 
 #include <fmt/format.h>
+#include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,22 +22,20 @@ constexpr std::uint64_t kMaxTriangles = std::uint64_t{1} << 26;
 /// A triangle is flat when its height is within the rounding of its float coordinates.
 constexpr double kFlat = 0x1p-23;
 
-enum Mode : std::uint64_t { kTriangles = 4, kStrip = 5, kFan = 6 };
-
 Eigen::Vector3d vector3(const Accessor& accessor, std::size_t element) {
   return {accessor.real(element, 0), accessor.real(element, 1), accessor.real(element, 2)};
 }
 
-std::size_t triangle_count(std::uint64_t mode, std::size_t corners) {
-  if (mode == kTriangles) return corners / 3;
+std::size_t triangle_count(int mode, std::size_t corners) {
+  if (mode == TINYGLTF_MODE_TRIANGLES) return corners / 3;
   return corners < 3 ? 0 : corners - 2;
 }
 
 /// Places in the index list of a triangle's corners, in glTF's order (section 3.7.2.1).
-std::array<std::size_t, 3> corner_places(std::uint64_t mode, std::size_t triangle) {
+std::array<std::size_t, 3> corner_places(int mode, std::size_t triangle) {
   const std::size_t i = triangle;
-  if (mode == kStrip) return {i, i + 1 + i % 2, i + 2 - i % 2};
-  if (mode == kFan) return {i + 1, i + 2, 0};
+  if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) return {i, i + 1 + i % 2, i + 2 - i % 2};
+  if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return {i + 1, i + 2, 0};
   return {3 * i, 3 * i + 1, 3 * i + 2};
 }
 
@@ -54,7 +53,8 @@ bool is_degenerate(const std::array<Vec3f, 3>& p) {
 
 /// One primitive of one node on its way into the scene.
 struct MeshLoader::Primitive {
-  Value json;
+  const tinygltf::Primitive& from;
+  Value json;  ///< the same, for error messages
   Accessor positions;
   std::optional<Accessor> normals;
   std::optional<Accessor> uvs;
@@ -71,30 +71,33 @@ struct MeshLoader::Primitive {
     return exact_position(vertex).cast<float>();
   }
 
-  std::optional<Accessor> attribute(const Document& document, const char* name,
+  std::optional<Accessor> attribute(const Document& document, const std::string& name,
                                     unsigned components) const {
-    const std::optional<Value> index = json["attributes"].find(name);
-    if (!index) return std::nullopt;
-    Accessor accessor(document, index->index(document.root().count_of("accessors"), "accessors"));
+    const auto found = from.attributes.find(name);
+    if (found == from.attributes.end()) return std::nullopt;
+    Accessor accessor(document, static_cast<std::uint32_t>(found->second));
+    const auto where = [&] { return json["attributes"][name.c_str()]; };
     if (accessor.components() != components ||
         accessor.component_type() == ComponentType::kUnsignedInt) {
-      index->fail(fmt::format("its accessor should hold {} real numbers per vertex", components));
+      where().fail(fmt::format("its accessor should hold {} real numbers per vertex", components));
     }
     if (accessor.count() != positions.count()) {
-      index->fail(fmt::format("{} vertices have {} elements", positions.count(), accessor.count()));
+      where().fail(
+          fmt::format("{} vertices have {} elements", positions.count(), accessor.count()));
     }
     return accessor;
   }
 
   /// Fills `triangles`; mirrored transforms turn the winding (section 3.7.4).
-  void read_triangles(const Document& document, std::uint64_t mode, bool mirrored) {
+  void read_triangles(const Document& document, bool mirrored) {
+    const int mode = from.mode;
     std::optional<Accessor> indices;
-    if (const std::optional<Value> index = json.find("indices")) {
-      indices.emplace(document, index->index(document.root().count_of("accessors"), "accessors"));
+    if (from.indices >= 0) {
+      indices.emplace(document, static_cast<std::uint32_t>(from.indices));
       const ComponentType type = indices->component_type();
       if (indices->components() != 1 || type == ComponentType::kFloat ||
           type == ComponentType::kByte || type == ComponentType::kShort) {
-        index->fail("indices should be unsigned integers");
+        json["indices"].fail("indices should be unsigned integers");
       }
     }
     const std::size_t count = triangle_count(mode, indices ? indices->count() : positions.count());
@@ -127,46 +130,50 @@ struct MeshLoader::Primitive {
   }
 };
 
-void MeshLoader::add(const WorldNode& node, const Value& mesh) {
-  skinned_ += node.json.find("skin") ? 1 : 0;
-  for (const Value& primitive : mesh.list("primitives")) {
-    const std::uint64_t mode = primitive.whole_or("mode", kTriangles);
-    if (mode > kFan) primitive["mode"].fail(fmt::format("{} is not a mode of glTF", mode));
-    if (mode < kTriangles) {
+void MeshLoader::add(const WorldNode& node) {
+  skinned_ += node.node->skin >= 0 ? 1 : 0;
+  const auto index = static_cast<std::size_t>(node.node->mesh);
+  const tinygltf::Mesh& mesh = document_.model().meshes[index];
+  const std::vector<Value> json = document_.root().element("meshes", index).list("primitives");
+  // tinygltf silently leaves out a primitive that it cannot read.
+  if (mesh.primitives.size() != json.size()) {
+    fail(document_.name(), fmt::format("tinygltf cannot read all primitives of mesh {}", index));
+  }
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const tinygltf::Primitive& primitive = mesh.primitives[i];
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES || !primitive.attributes.contains("POSITION")) {
       ++scene_.repairs.skipped_primitives;
-    } else if (primitive["attributes"].find("POSITION")) {
-      add_primitive(node, primitive, mode);
     } else {
-      ++scene_.repairs.skipped_primitives;
+      add_primitive(node, primitive, json[i]);
     }
   }
 }
 
-void MeshLoader::add_primitive(const WorldNode& node, const Value& json, std::uint64_t mode) {
-  const Value position = json["attributes"]["POSITION"];
-  const std::size_t accessors = document_.root().count_of("accessors");
-  Primitive primitive{json,
-                      Accessor(document_, position.index(accessors, "accessors")),
-                      {},
-                      {},
-                      kNone,
-                      surfaces_++,
-                      node.to_world,
-                      {}};
+void MeshLoader::add_primitive(const WorldNode& node, const tinygltf::Primitive& from,
+                               const Value& json) {
+  Primitive primitive{
+      from,
+      json,
+      Accessor(document_, static_cast<std::uint32_t>(from.attributes.at("POSITION"))),
+      {},
+      {},
+      kNone,
+      surfaces_++,
+      node.to_world,
+      {}};
   static_cast<void>(primitive.attribute(document_, "POSITION", 3));
   primitive.normals = primitive.attribute(document_, "NORMAL", 3);
   TextureCoordinates coordinates;
-  if (const std::optional<Value> material = json.find("material")) {
-    primitive.material = material->index(document_.root().count_of("materials"), "materials");
+  if (from.material >= 0) {
+    primitive.material = static_cast<std::uint32_t>(from.material);
     coordinates = coordinates_[primitive.material];
   } else {
     primitive.material = default_material();
   }
-  primitive.uvs =
-      primitive.attribute(document_, fmt::format("TEXCOORD_{}", coordinates.set).c_str(), 2);
-  morphed_ += json.count_of("targets") > 0 ? 1 : 0;
-  coloured_ += json["attributes"].find("COLOR_0") ? 1 : 0;
-  primitive.read_triangles(document_, mode, node.linear().determinant() < 0.0);
+  primitive.uvs = primitive.attribute(document_, fmt::format("TEXCOORD_{}", coordinates.set), 2);
+  morphed_ += from.targets.empty() ? 0 : 1;
+  coloured_ += from.attributes.contains("COLOR_0") ? 1 : 0;
+  primitive.read_triangles(document_, node.linear().determinant() < 0.0);
   keep_sound_triangles(primitive);
   if (scene_.triangles.size() + primitive.triangles.size() > kMaxTriangles) {
     json.fail(fmt::format("the scene has more than {} triangles", kMaxTriangles));

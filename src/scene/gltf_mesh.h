@@ -8,6 +8,10 @@
 #include "scene/gltf_nodes.h"
 #include "scene/scene.h"
 
+namespace tinygltf {
+struct Primitive;
+}
+
 namespace prt::gltf {
 
 /// Appends the mesh of a node to a scene, primitive by primitive; every triangle primitive becomes
@@ -18,13 +22,14 @@ class MeshLoader {
              Scene& scene)
       : document_(document), coordinates_(coordinates), scene_(scene) {}
 
-  void add(const WorldNode& node, const Value& mesh);
+  /// The node must have a mesh.
+  void add(const WorldNode& node);
   /// Notes on what was ignored, one line each.
   void add_notes();
 
  private:
   struct Primitive;
-  void add_primitive(const WorldNode& node, const Value& json, std::uint64_t mode);
+  void add_primitive(const WorldNode& node, const tinygltf::Primitive& from, const Value& json);
   void keep_sound_triangles(Primitive& primitive);
   void emit_shared(const Primitive& primitive, const WorldNode& node);
   void emit_flat(const Primitive& primitive);

@@ -1,11 +1,9 @@
 #include "scene/gltf_nodes.h"
 
-#include <fmt/format.h>
+#include <tiny_gltf.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-
-#include "base/types.h"
 
 namespace prt::gltf {
 namespace {
@@ -13,101 +11,31 @@ namespace {
 /// Relative to the product of the column lengths, which is |det| when the columns are orthogonal.
 constexpr double kSingular = 1e-9;
 
-Eigen::Matrix4d local_transform(const Value& node) {
-  Eigen::Matrix4d transform = Eigen::Matrix4d::Identity();
-  if (const std::optional<Value> matrix = node.find("matrix")) {
-    const std::vector<double> numbers = matrix->numbers(16);
-    transform = Eigen::Map<const Eigen::Matrix4d>(numbers.data());
-    if (transform.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)) {
-      matrix->fail("its last row must be 0 0 0 1");
-    }
-    return transform;
+Eigen::Matrix4d local_transform(const tinygltf::Node& node) {
+  if (!node.matrix.empty()) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+  if (!node.translation.empty()) {
+    transform.translate(Eigen::Map<const Eigen::Vector3d>(node.translation.data()));
   }
-  const auto vector = [&](const char* key, Eigen::Vector3d fallback) -> Eigen::Vector3d {
-    const std::optional<Value> member = node.find(key);
-    if (!member) return fallback;
-    return Eigen::Map<const Eigen::Vector3d>(member->numbers(3).data());
-  };
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  if (const std::optional<Value> member = node.find("rotation")) {
-    const std::vector<double> xyzw = member->numbers(4);
-    Eigen::Quaterniond quaternion(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
-    if (quaternion.norm() == 0.0) member->fail("it is zero, not a unit quaternion");
-    rotation = quaternion.normalized().toRotationMatrix();
+  if (!node.rotation.empty()) {
+    const std::vector<double>& xyzw = node.rotation;
+    transform.rotate(Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized());
   }
-  transform.topLeftCorner<3, 3>() =
-      rotation * vector("scale", Eigen::Vector3d::Ones()).asDiagonal();
-  transform.topRightCorner<3, 1>() = vector("translation", Eigen::Vector3d::Zero());
-  return transform;
+  if (!node.scale.empty()) transform.scale(Eigen::Map<const Eigen::Vector3d>(node.scale.data()));
+  return transform.matrix();
 }
 
-/// Children of every node, and that each node has one parent at most and is not its own ancestor.
-class Tree {
- public:
-  explicit Tree(const Value& root) : count_(root.count_of("nodes")), parent_(count_, kNone) {
-    children_.resize(count_);
-    for (std::uint32_t node = 0; node < count_; ++node) {
-      for (const Value& json : root.element("nodes", node).list("children")) {
-        const std::uint32_t child = json.index(count_, "nodes");
-        if (parent_[child] != kNone) {
-          json.fail(fmt::format("node {} has two parents, {} and {}", child, parent_[child], node));
-        }
-        parent_[child] = node;
-        children_[node].push_back(child);
-      }
-    }
-    check_cycles(root);
+std::vector<int> scene_roots(const tinygltf::Model& model) {
+  if (!model.scenes.empty()) {
+    return model.scenes[static_cast<std::size_t>(std::max(model.defaultScene, 0))].nodes;
   }
-
-  [[nodiscard]] const std::vector<std::uint32_t>& children(std::uint32_t node) const {
-    return children_[node];
+  std::vector<bool> is_child(model.nodes.size(), false);
+  for (const tinygltf::Node& node : model.nodes) {
+    for (const int child : node.children) is_child[static_cast<std::size_t>(child)] = true;
   }
-  [[nodiscard]] bool is_root(std::uint32_t node) const { return parent_[node] == kNone; }
-  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(count_); }
-
- private:
-  /// With one parent each, nodes that no root reaches go round in a cycle.
-  void check_cycles(const Value& root) const {
-    std::vector<std::uint32_t> reached;
-    for (std::uint32_t node = 0; node < count_; ++node) {
-      if (is_root(node)) reached.push_back(node);
-    }
-    std::vector<bool> seen(count_, false);
-    for (std::size_t i = 0; i < reached.size(); ++i) {
-      seen[reached[i]] = true;
-      const auto& next = children_[reached[i]];
-      reached.insert(reached.end(), next.begin(), next.end());
-    }
-    const auto lost = std::find(seen.begin(), seen.end(), false);
-    if (lost != seen.end()) {
-      const auto node = static_cast<std::size_t>(lost - seen.begin());
-      root.element("nodes", node).fail("the node lies on a cycle or below one");
-    }
-  }
-
-  std::size_t count_;
-  std::vector<std::uint32_t> parent_;
-  std::vector<std::vector<std::uint32_t>> children_;
-};
-
-std::vector<std::uint32_t> scene_roots(const Value& root, const Tree& tree) {
-  std::vector<std::uint32_t> roots;
-  const std::size_t scenes = root.count_of("scenes");
-  const std::optional<Value> chosen = root.find("scene");
-  if (scenes == 0 && !chosen) {
-    for (std::uint32_t node = 0; node < tree.count(); ++node) {
-      if (tree.is_root(node)) roots.push_back(node);
-    }
-    return roots;
-  }
-  const std::uint32_t scene = chosen ? chosen->index(scenes, "scenes") : 0;
-  std::vector<bool> listed(tree.count(), false);
-  for (const Value& json : root.element("scenes", scene).list("nodes")) {
-    const std::uint32_t node = json.index(tree.count(), "nodes");
-    if (!tree.is_root(node)) json.fail(fmt::format("node {} is not a root: it has a parent", node));
-    if (listed[node]) json.fail(fmt::format("node {} is listed twice", node));
-    listed[node] = true;
-    roots.push_back(node);
+  std::vector<int> roots;
+  for (std::size_t node = 0; node < is_child.size(); ++node) {
+    if (!is_child[node]) roots.push_back(static_cast<int>(node));
   }
   return roots;
 }
@@ -121,14 +49,13 @@ bool WorldNode::singular() const {
 }
 
 std::vector<WorldNode> world_nodes(const Document& document) {
-  const Value root = document.root();
-  const Tree tree(root);
+  const tinygltf::Model& model = document.model();
   struct Pending {
-    std::uint32_t node;
+    int node;
     Eigen::Matrix4d parent_to_world;
   };
   std::vector<Pending> stack;
-  const std::vector<std::uint32_t> roots = scene_roots(root, tree);
+  const std::vector<int> roots = scene_roots(model);
   for (auto node = roots.rbegin(); node != roots.rend(); ++node) {
     stack.push_back({*node, Eigen::Matrix4d::Identity()});
   }
@@ -136,10 +63,11 @@ std::vector<WorldNode> world_nodes(const Document& document) {
   while (!stack.empty()) {
     const Pending next = stack.back();
     stack.pop_back();
-    const Value json = root.element("nodes", next.node);
-    nodes.push_back({json, next.parent_to_world * local_transform(json)});
-    const auto& children = tree.children(next.node);
-    for (auto child = children.rbegin(); child != children.rend(); ++child) {
+    const auto index = static_cast<std::size_t>(next.node);
+    const tinygltf::Node& node = model.nodes[index];
+    nodes.push_back({&node, document.root().element("nodes", index),
+                     next.parent_to_world * local_transform(node)});
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
       stack.push_back({*child, nodes.back().to_world});
     }
   }

@@ -6,10 +6,15 @@
 
 #include "scene/gltf_document.h"
 
+namespace tinygltf {
+class Node;
+}
+
 namespace prt::gltf {
 
 struct WorldNode {
-  Value json;
+  const tinygltf::Node* node;
+  Value json;                ///< the same node, for error messages
   Eigen::Matrix4d to_world;  ///< affine
 
   [[nodiscard]] Eigen::Matrix3d linear() const { return to_world.topLeftCorner<3, 3>(); }
@@ -18,7 +23,7 @@ struct WorldNode {
 };
 
 /// The nodes of the default scene (else the first, else all roots), each after its parent, children
-/// in the file's order. Throws UserError on cycles, nodes with two parents, and bad indices.
+/// in the file's order.
 std::vector<WorldNode> world_nodes(const Document& document);
 
 }  // namespace prt::gltf

@@ -1,5 +1,7 @@
 #include "scene/load.h"
 
+#include <tiny_gltf.h>
+
 #include "scene/gltf_document.h"
 #include "scene/gltf_lights.h"
 #include "scene/gltf_material.h"
@@ -22,19 +24,16 @@ void set_bounds(Scene& scene) {
 
 Scene load_scene(const std::filesystem::path& file) {
   const gltf::Document document(file);
-  const gltf::Value root = document.root();
   Scene scene;
   const auto coordinates = gltf::load_materials(document, scene);
   const std::vector<gltf::WorldNode> nodes = gltf::world_nodes(document);
   gltf::MeshLoader meshes(document, coordinates, scene);
   for (const gltf::WorldNode& node : nodes) {
-    const auto mesh = node.json.find("mesh");
-    if (!mesh) continue;
-    const std::uint32_t index = mesh->index(root.count_of("meshes"), "meshes");
+    if (node.node->mesh < 0) continue;
     if (node.singular()) {
       ++scene.repairs.singular_transforms;
     } else {
-      meshes.add(node, root.element("meshes", index));
+      meshes.add(node);
     }
   }
   meshes.add_notes();

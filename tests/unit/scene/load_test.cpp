@@ -318,7 +318,8 @@ TEST(Load, OffersLightsAndCameraInWatts) {
       {{"type", "point"}, {"intensity", 683.0}, {"color", {1, 0.5, 0}}},
       {{"type", "spot"}, {"intensity", 1366.0}, {"spot", {{"outerConeAngle", 0.5}}}},
       {{"type", "directional"}, {"intensity", 68.3}}};
-  writer.append("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}}}});
+  writer.append("cameras",
+                {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}});
   const double h = std::numbers::sqrt2 / 2.0;
   const auto holder = [](int light) { return Json{{"KHR_lights_punctual", {{"light", light}}}}; };
   writer.add_node({{"extensions", holder(0)}, {"translation", {1, 2, 3}}});

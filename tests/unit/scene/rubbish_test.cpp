@@ -330,7 +330,8 @@ GltfWriter rich_file() {
                        {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 2, 0, 1, 0, 0, 0, 3, 1}}});
   writer.json["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "spot"}, {"intensity", 5.0}, {"spot", {{"outerConeAngle", 0.5}}}}};
-  writer.append("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}}}});
+  writer.append("cameras",
+                {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}});
   writer.add_node({{"camera", 0}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   return writer;
 }
