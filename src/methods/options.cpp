@@ -137,7 +137,7 @@ std::vector<OptionSpec> shared_options() {
        lb + "§4.2"},
       {"transport.tolerance",
        Type::kNumber,
-       1e-2,
+       2e-2,
        1e-9,
        1.0,
        {},

@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kLightFunctions = "light_functions";
 constexpr std::size_t kLightsPerTask = 250;
 // The first snapshot bases; doubled while the measured residual stays above the tolerance.
-constexpr int kSnapshotRank = 20;
+constexpr int kSnapshotRank = 40;
 constexpr int kTransferRank = 50;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
