@@ -80,6 +80,17 @@ TEST(Rubbish, DeepJson) {
   std::string text = writer.gltf("x");
   text.insert(text.size() - 1, ",\"extras\":" + brackets + std::string(200'000, ']'));
   EXPECT_FALSE(error_of_bytes(text, "deep.gltf").empty());
+  // Extras are not looked into; what the loader reads may not be deep.
+  const std::string deep = std::string(20'000, '[') + std::string(20'000, ']');
+  const auto with = [&](const std::string& key) {
+    GltfWriter square = square_file();
+    square.json["nodes"][0][key] = "DEEP";
+    std::string bytes =
+        square.gltf("data:application/octet-stream;base64," + testing::base64(square.binary));
+    return error_of_bytes(bytes.replace(bytes.find("\"DEEP\""), 6, deep), "deep.gltf");
+  };
+  EXPECT_EQ(with("extras"), "");
+  expect_says(with("weights"), "nested too deeply");
 }
 
 struct Spoilt {
@@ -243,6 +254,30 @@ const std::vector<Spoilt>& spoilt_squares() {
          j["images"] = {{{"uri", "../a.png"}}};
        },
        "folder"},
+      {"image without bytes",
+       [](Json& j) {
+         j["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 0}});
+         j["images"] = {{{"bufferView", j["bufferViews"].size() - 1}}};
+       },
+       "images[0]: the image is empty"},
+      {"image twice",
+       [](Json& j) {
+         j["images"] = {{{"bufferView", 0}, {"uri", "a.png"}}};
+       },
+       "both"},
+      {"camera without znear",
+       [](Json& j) {
+         j["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}}}}};
+       },
+       "cameras[0].perspective: 'znear' is missing"},
+      {"negative attribute",
+       [](Json& j) { j["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = -1; },
+       "attributes.COLOR_0: -1"},
+      {"odd stride",
+       [](Json& j) {
+         j["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 4}, {"byteStride", 13}});
+       },
+       "tinygltf cannot read it"},
       {"light index",
        [](Json& j) { j["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0; }, "lights"},
       {"camera index", [](Json& j) { j["nodes"][0]["camera"] = 0; }, "cameras"},
@@ -267,6 +302,9 @@ TEST(Rubbish, SpoiltImages) {
     testing::set_texture(writer, image.substr(0, size) + std::string(1, '\0'));
     expect_says(error_of_bytes(writer.glb()), "image");
   }
+  GltfWriter bitmap = square_file();
+  testing::set_texture(bitmap, "BM" + image.substr(2));
+  expect_says(error_of_bytes(bitmap.glb()), "neither a PNG nor a JPEG");
   GltfWriter beyond = square_file();
   testing::set_texture(beyond, image);
   beyond.json["bufferViews"].back()["byteLength"] = image.size() + 100;
