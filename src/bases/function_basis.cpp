@@ -18,7 +18,10 @@ FunctionBasis make_function_basis(const MatrixF& examples, const VectorF& areas,
   weighted.noalias() -= along_constant * constant.transpose();
 
   const double left = weighted.squaredNorm();
-  const double tolerance_of_rest = left > 0.0 ? tolerance * std::sqrt(total / left) : 1.0;
+  // What rounding leaves of even light is noise that may point anywhere, along the constant too.
+  constexpr double kNoise = 1e-7;
+  const double tolerance_of_rest =
+      left > kNoise * kNoise * total ? tolerance * std::sqrt(total / left) : 1.0;
   const SingularBasis rest =
       leading_right_vectors(weighted, std::min<Eigen::Index>(most - 1, n - 1), tolerance_of_rest);
   MatrixD vectors(1 + rest.vectors.rows(), n);

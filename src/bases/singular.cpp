@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 
 #include "base/error.h"
@@ -35,11 +36,17 @@ Eigenpairs leading_pairs(const Eigen::MatrixXd& gram, Eigen::Index k) {
   const Eigen::Index subspace = std::min(n, std::max<Eigen::Index>(2 * k + 10, 20));
   Spectra::SymEigsSolver<Spectra::DenseSymMatProd<double>> solver(
       const_cast<Spectra::DenseSymMatProd<double>&>(product), k, subspace);
-  solver.init();
-  constexpr int kMostRestarts = 200;
-  const auto converged = solver.compute(Spectra::SortRule::LargestAlge, kMostRestarts, 1e-9);
-  if (solver.info() != Spectra::CompInfo::Successful || converged < k) return all_pairs(gram, k);
-  return {solver.eigenvectors(), solver.eigenvalues()};
+  try {
+    solver.init();
+    constexpr int kMostRestarts = 200;
+    const auto converged = solver.compute(Spectra::SortRule::LargestAlge, kMostRestarts, 1e-9);
+    if (solver.info() == Spectra::CompInfo::Successful && converged >= k) {
+      return {solver.eigenvectors(), solver.eigenvalues()};
+    }
+  } catch (const std::runtime_error&) {
+    // Matrices of low rank break the iteration down: its subspace is larger than their range.
+  }
+  return all_pairs(gram, k);
 }
 
 /// Replaces the rows by an orthonormal basis of the same leading spaces, signs kept.
