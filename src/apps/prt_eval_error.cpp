@@ -129,8 +129,7 @@ void report_package_error(const EvalCommand& command) {
   ReferenceSettings settings;
   settings.seed = command.seed;
   settings.paths = command.paths;
-  settings.clearance =
-      command.clearance.value_or(kTestClearance * samples_diagonal(package.samples));
+  settings.clearance = command.clearance.value_or(light_clearance(package.samples, kTestClearance));
   const Measured measured = measure(package, settings, command.lights);
   json report = error_report(measured.lights);
   report["seed"] = command.seed;

@@ -160,7 +160,7 @@ Artifact run_reference(const TaskSpec& task, const TaskReader& reader) {
   settings.seed = p["seed"].get<std::uint64_t>();
   settings.points = p["points"].get<std::size_t>();
   settings.paths = p["spp"].get<int>();
-  settings.clearance = kTestClearance * samples_diagonal(shared->samples);
+  settings.clearance = light_clearance(shared->samples, kTestClearance);
   const ReferenceInputs inputs{reader.scene(), reader.ray_caster(), shared->samples,
                                shared->search};
   return to_artifact(trace_reference(inputs, settings, p["light"].get<std::size_t>(), 1,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
 #include "base/error.h"
@@ -18,6 +19,11 @@ constexpr int kMaxSightRays = 256;
 /// Random samples looked at for those rays; about half of them face the position.
 constexpr int kMaxSightDraws = 4 * kMaxSightRays;
 
+/// Sides of the box lights are drawn from, at least this share of its diagonal.
+constexpr float kLeastSide = 0.1F;
+/// A flat, wide scene has little height to keep away in: its shortest side counts this many times.
+constexpr float kSideShare = 5.0F;
+
 struct Box {
   Vec3f low, high;
 };
@@ -28,6 +34,11 @@ Box samples_box(const SampleSet& samples) {
     box.low = box.low.cwiseMin(p);
     box.high = box.high.cwiseMax(p);
   }
+  // A flat scene still has room for lights above it.
+  const Vec3f least = Vec3f::Constant(kLeastSide * (box.high - box.low).norm());
+  const Vec3f missing = 0.5F * (least - (box.high - box.low)).cwiseMax(0.0F);
+  box.low -= missing;
+  box.high += missing;
   return box;
 }
 
@@ -79,6 +90,11 @@ std::vector<Vec3f> free_positions(const Scene& scene, const RayCaster& caster,
         kMaxTries, clearance));
   }
   return positions;
+}
+
+float light_clearance(const SampleSet& samples, float share) {
+  const Box box = samples_box(samples);
+  return share * std::min(samples_diagonal(samples), kSideShare * (box.high - box.low).minCoeff());
 }
 
 float samples_diagonal(const SampleSet& samples) {

@@ -19,6 +19,10 @@ std::vector<Vec3f> free_positions(const Scene& scene, const RayCaster& caster,
                                   const SampleSet& samples, float clearance, std::uint64_t stream,
                                   std::size_t first, std::size_t count);
 
+/// The clearance that `share` of the samples' diagonal asks for, m; in wide and flat scenes, where
+/// no light would find room, that share of five times the shortest side.
+float light_clearance(const SampleSet& samples, float share);
+
 /// Diagonal of the samples' bounding box, m: clearances are given relative to it.
 float samples_diagonal(const SampleSet& samples);
 

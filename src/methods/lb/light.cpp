@@ -30,7 +30,7 @@ constexpr int kMostPerRank = 4;
 Artifact run_lights(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
   const auto& p = task.parameters;
-  const float clearance = kClearance * samples_diagonal(shared->samples);
+  const float clearance = light_clearance(shared->samples, kClearance);
   const auto lights =
       free_positions(reader.scene(), reader.ray_caster(), shared->samples, clearance,
                      stream_key(p["seed"].get<std::uint64_t>(), "example lights"),
