@@ -103,7 +103,8 @@ double view_score(const Scene& scene, const RayCaster& caster, const Vec3f& p,
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (hits[i].escaped()) continue;
     const bool front = surface_at(scene, rays[i], hits[i]).front;
-    score += front ? 1.0 + 0.5 * std::min(1.0F, 4.0F * hits[i].t / scene.diagonal()) : -4.0;
+    // Far walls count most: a nave before the gap behind it.
+    score += front ? 0.2 + std::min(1.0F, 8.0F * hits[i].t / scene.diagonal()) : -4.0;
   }
   return score;
 }

@@ -53,7 +53,7 @@ std::size_t wanted_samples(const PlanInputs& inputs) {
 }
 
 TaskSpec start_task(const PlanInputs& inputs) {
-  TaskSpec spec = task("start", "start", 1);
+  TaskSpec spec = task("start", "start", 2);
   spec.scene_parts = kGeometry;
   spec.cost = 0.2;
   const auto& options = inputs.options();
