@@ -1,5 +1,5 @@
-// Bases of functions on a cluster's samples from example functions: direct light of example lights
-// (Leonhardt & Bohn, §4.3.1; Loos et al.'s light prior) and snapshots of gathered light.
+// Bases of functions on a cluster's samples from example functions: snapshots of gathered light for
+// the reduced transport system.
 #pragma once
 
 #include "base/types.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/hash.h"
-#include "base/log.h"
 #include "base/random.h"
 #include "domains/clusters.h"
 #include "domains/thinning.h"
