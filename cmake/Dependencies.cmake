@@ -10,6 +10,7 @@ find_package(TBB 2021 CONFIG REQUIRED)
 find_package(Eigen3 3.4 CONFIG REQUIRED)
 set(HDF5_PREFER_PARALLEL OFF)  # serial library, C interface
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)
+find_package(fmt 9 CONFIG REQUIRED)
 find_package(spdlog 1.10 CONFIG REQUIRED)
 find_package(CLI11 2.1 CONFIG REQUIRED)
 find_package(yaml-cpp 0.7 CONFIG REQUIRED)

@@ -15,6 +15,7 @@ function(prt_module name)
   target_include_directories(prt_${name} PUBLIC ${CMAKE_SOURCE_DIR}/src)
   target_link_libraries(prt_${name} PUBLIC prt_flags ${ARG_DEPENDS} ${ARG_PUBLIC_LIBS}
                                     PRIVATE ${ARG_PRIVATE_LIBS})
+  target_precompile_headers(prt_${name} REUSE_FROM prt_headers)
 endfunction()
 
 # Flags every target of ours shares.
@@ -23,6 +24,9 @@ target_compile_options(prt_flags INTERFACE -Wall -Wextra $<$<BOOL:${PRT_WERROR}>
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 sees overlapping copies in std::string operator+ where there are none (GCC bug 105651).
   target_compile_options(prt_flags INTERFACE -Wno-restrict)
+  if(NOT CMAKE_DISABLE_PRECOMPILE_HEADERS)  # nor is it silent about them in compiled headers
+    target_compile_options(prt_flags INTERFACE -Wno-stringop-overflow -Wno-array-bounds)
+  endif()
 endif()
 if(PRT_NATIVE)
   target_compile_options(prt_flags INTERFACE -march=native)
@@ -46,3 +50,18 @@ endif()
 # Assertions guard invariants in every build type; Eigen's own per-element checks would cost too much.
 string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")
 string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
+
+# prt_precompiled_headers(NAME HEADERS ... LIBS ...): compiles the headers that most files include
+# once; targets take them with target_precompile_headers(TARGET REUSE_FROM NAME). Half of a build's
+# time otherwise. Every file still includes what it uses: the dev preset builds without.
+function(prt_precompiled_headers name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;LIBS" ${ARGN})
+  file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp "")
+  add_library(${name} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+  target_link_libraries(${name} PRIVATE prt_flags Eigen3::Eigen fmt::fmt
+                                        nlohmann_json::nlohmann_json ${ARG_LIBS})
+  target_precompile_headers(${name} PRIVATE ${ARG_HEADERS}
+    <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp> <algorithm> <array> <cmath> <filesystem>
+    <functional> <map> <memory> <optional> <set> <span> <stdexcept> <string> <vector>)
+endfunction()
+prt_precompiled_headers(prt_headers)
