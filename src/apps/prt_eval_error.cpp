@@ -55,7 +55,7 @@ struct Measured {
 
 Measured measure(const Package& package, const ReferenceSettings& settings, std::size_t lights) {
   const auto caster = make_embree_ray_caster(package.scene);
-  const SenderSearch search(package.samples);
+  const SenderSearch search(package.scene, package.samples);
   const Evaluator player(package);
   const ReferenceInputs inputs{package.scene, *caster, package.samples, search};
   Measured measured;

@@ -144,17 +144,29 @@ std::uint32_t SampleGrid::nearest(const Vec3f& p, const Vec3f& n, float radius,
   return best.index;
 }
 
-void SampleGrid::within(const Vec3f& p, float radius, std::vector<std::uint32_t>& out) const {
+template <typename Accept>
+void SampleGrid::collect(const Vec3f& p, float radius, std::vector<std::uint32_t>& out,
+                         Accept&& accept) const {
   if (entries_.empty()) return;
   const float limit = radius * radius;
   visit_cells(p, radius, [&](std::size_t s, const Cell& cell) {
     for (std::uint32_t e = begin_[s]; e < begin_[s + 1]; ++e) {
       const Entry& entry = entries_[e];
       // Cells share hash slots: count an entry in its own cell only.
-      if ((entry.position - p).squaredNorm() > limit) continue;
+      if ((entry.position - p).squaredNorm() > limit || !accept(entry)) continue;
       if (cell_of(entry.position, inverse_cell_) == cell) out.push_back(entry.index);
     }
   });
+}
+
+void SampleGrid::within(const Vec3f& p, float radius, std::vector<std::uint32_t>& out) const {
+  collect(p, radius, out, [](const Entry&) { return true; });
+}
+
+void SampleGrid::within(const Vec3f& p, const Vec3f& n, float radius,
+                        std::vector<std::uint32_t>& out) const {
+  collect(p, radius, out,
+          [&](const Entry& entry) { return entry.normal.dot(n) >= kCompatibleCosine; });
 }
 
 }  // namespace prt

@@ -48,6 +48,8 @@ class SampleGrid {
                                       float min_cosine = kCompatibleCosine) const;
   /// All samples within radius (any normal), appended to out in ascending index order per cell.
   void within(const Vec3f& p, float radius, std::vector<std::uint32_t>& out) const;
+  /// The same, of the samples with n·n_s >= kCompatibleCosine.
+  void within(const Vec3f& p, const Vec3f& n, float radius, std::vector<std::uint32_t>& out) const;
 
  private:
   struct Entry {
@@ -65,6 +67,9 @@ class SampleGrid {
             Nearest& best) const;
   template <typename Visit>
   void visit_cells(const Vec3f& p, float radius, Visit&& visit) const;
+  template <typename Accept>
+  void collect(const Vec3f& p, float radius, std::vector<std::uint32_t>& out,
+               Accept&& accept) const;
 
   std::vector<Entry> entries_;        // sorted by hashed cell
   std::vector<std::uint32_t> begin_;  // slots + 1

@@ -51,7 +51,7 @@ bool reachable(const Scene& scene, const RayCaster& caster, const SampleSet& sam
   for (int i = 0; i < kReachRays; ++i) {
     if (hits[i].escaped()) continue;
     const SurfacePoint end = surface_at(scene, rays[i], hits[i]);
-    const std::uint32_t s = search.find_near(end.position, end.normal);
+    const std::uint32_t s = search.find_near(end);
     // Inside a thin board the far face's outer samples are near and compatible, but hidden.
     if (s != kNone && sees_sample(scene, caster, samples, s, end.position, end.normal)) return true;
   }
@@ -81,8 +81,10 @@ CellPoints draw_cell_points(const Scene& scene, const RayCaster& caster, const S
     if (!opaque_at(scene, triangle, u, v)) continue;
     const Vec3f position = triangle_point(scene, triangle, u, v);
     const Vec3f front = triangle_normal(scene, triangle);
-    for (const Vec3f& normal : {front, Vec3f(-front)}) {
-      const std::uint32_t s = search.find_near(position, normal);
+    const std::array<Vec3f, 2> sides{front, -front};
+    for (const Vec3f& normal : sides) {
+      const bool is_front = &normal == &sides[0];
+      const std::uint32_t s = search.find_near({position, normal, triangle, u, v, is_front});
       if (s == kNone) continue;
       if (!sees_sample(scene, caster, samples, s, position, normal) &&
           !reachable(scene, caster, samples, search, position, normal, random)) {

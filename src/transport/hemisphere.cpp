@@ -58,7 +58,7 @@ HemisphereRays cast_hemispheres(const Scene& scene, const RayCaster& caster,
       }
       const SurfacePoint point = surface_at(scene, rays[k], hits[k]);
       out.back_hits += point.front ? 0 : 1;
-      const std::uint32_t found = search.find(scene, point);
+      const std::uint32_t found = search.find(point);
       sender[d] = found == kNone ? kLostSender : found;
       if (found == kNone) lost += directions.weights()[d];
     }

@@ -9,7 +9,7 @@ namespace prt {
 
 namespace {
 
-constexpr std::size_t kBatch = 1024;
+constexpr std::size_t kPhotonBatch = 1024;
 constexpr int kPlacementTries = 64;
 
 /// Draws points uniform in area over the cells of one cluster.
@@ -58,7 +58,7 @@ class CellEmitter {
     const Hit hit = caster_.intersect(down);
     if (hit.escaped()) return {};
     const SurfacePoint point = surface_at(scene_, down, hit);
-    if (search_.find_near(point.position, point.normal) != sample) return {};
+    if (search_.find_near(point) != sample) return {};
     const Vec3f from = offset_origin(scene_, point.position, point.normal);
     if (!caster_.visible(from, offset_origin(scene_, samples_.positions[sample], n))) return {};
     return point;
@@ -108,10 +108,10 @@ PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const 
         {offset_origin(scene, point.position, point.normal), cosine_direction(point.normal, u, v)});
     photons.push_back(photon);
   };
-  for (std::uint64_t first = 0; first < settings.photons; first += kBatch) {
+  for (std::uint64_t first = 0; first < settings.photons; first += kPhotonBatch) {
     photons.clear();
     rays.clear();
-    for (std::uint64_t i = first; i < std::min(first + kBatch, settings.photons); ++i) {
+    for (std::uint64_t i = first; i < std::min(first + kPhotonBatch, settings.photons); ++i) {
       Photon photon{Random(settings.stream, i), 0, Vec3f::Ones(), 0};
       const double share = (static_cast<double>(i) + photon.random.uniform()) /
                            static_cast<double>(settings.photons);
@@ -137,7 +137,7 @@ PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const 
         Photon photon = travellers[i];
         ++photon.flights;
         const SurfacePoint point = surface_at(scene, flown[i], hits[i]);
-        const std::uint32_t receiver = search.find(scene, point);
+        const std::uint32_t receiver = search.find(point);
         if (receiver == kNone) {
           ++out.lost;
         } else {

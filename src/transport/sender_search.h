@@ -2,6 +2,7 @@
 #pragma once
 
 #include "domains/samples.h"
+#include "domains/surface_grid.h"
 #include "scene/scene.h"
 
 namespace prt {
@@ -9,20 +10,25 @@ namespace prt {
 /// Finds the sample whose cell a surface point lies in.
 class SenderSearch {
  public:
-  explicit SenderSearch(const SampleSet& samples);
+  /// Both must outlive it.
+  SenderSearch(const Scene& scene, const SampleSet& samples);
 
   /// The nearest sample with a compatible normal; where none is near, the nearest one on the same
   /// glTF surface within 90°; else kNone: the light that goes there is lost and counted.
-  [[nodiscard]] std::uint32_t find(const Scene& scene, const SurfacePoint& point) const;
+  [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const;
 
   /// The nearest compatible sample within its own Poisson-disk reach of the point, or kNone: the
   /// strict rule by which cells are measured.
-  [[nodiscard]] std::uint32_t find_near(const Vec3f& position, const Vec3f& normal) const;
+  [[nodiscard]] std::uint32_t find_near(const SurfacePoint& point) const;
 
  private:
+  [[nodiscard]] std::uint32_t nearest(const SurfacePoint& point, float radius) const;
+
+  const Scene* scene_;
   const SampleSet* samples_;
-  SampleGrid grid_;
   float reach_ = 0.0F;
+  SampleGrid grid_;
+  SurfaceGrid surfaces_;
 };
 
 }  // namespace prt

@@ -135,7 +135,7 @@ MatrixD with_scene(const MatrixD& clusters, const VectorD& areas) {
 
 Comparison compare() {
   const Setting s;
-  const SenderSearch search(s.samples);
+  const SenderSearch search(s.scene, s.samples);
   VectorD areas(s.samples.clusters());
   for (std::uint32_t c = 0; c < s.samples.clusters(); ++c) {
     areas[c] = cluster_areas(s.samples, c).cast<double>().sum();

@@ -9,7 +9,7 @@ namespace prt {
 
 std::shared_ptr<const SharedSamples> shared_samples(const TaskReader& reader, std::size_t i) {
   return reader.memo().get<SharedSamples>("samples " + reader.input_content(i).hex(), [&] {
-    return std::make_shared<SharedSamples>(get_samples(*reader.input(i)));
+    return std::make_shared<SharedSamples>(reader.scene(), get_samples(*reader.input(i)));
   });
 }
 

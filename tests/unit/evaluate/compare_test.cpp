@@ -36,7 +36,7 @@ class Compare : public testing::Test {
   Scene scene_ = test::box_room(0.5F);
   std::unique_ptr<RayCaster> caster_ = make_embree_ray_caster(scene_);
   Package package_ = unshadowed();
-  SenderSearch search_{package_.samples};
+  SenderSearch search_{scene_, package_.samples};
   Evaluator player_{package_};
 };
 

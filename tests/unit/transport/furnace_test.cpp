@@ -176,7 +176,7 @@ TEST(Furnace, TheScenesAlbedoIsWhatItsFileSays) {
 
 /// Indirect irradiance caused by direct irradiance 1 everywhere, from `photons` per cluster.
 MatrixF shoot_constant(const Room& room, std::uint64_t photons, int bounces) {
-  const SenderSearch search(room.samples);
+  const SenderSearch search(room.scene, room.samples);
   MatrixF sum = 0.0F * ones(room);
   double leaked = 0.0;
   double flights = 0.0;
