@@ -91,6 +91,9 @@ class Method {
   /// Kinds of task that run() knows.
   [[nodiscard]] virtual std::vector<std::string> kinds() const = 0;
   [[nodiscard]] virtual Artifact run(const TaskSpec& task, const TaskReader& reader) const = 0;
+  /// Paper and section or equation that a kind of task implements; empty where it is nobody's.
+  /// Goes into each artifact.
+  [[nodiscard]] virtual std::string equation(const std::string& kind) const = 0;
   /// Runtime data from finished artifacts: everything of the package but scene and error.
   /// `result(task id)` gives each artifact that Plan::results names.
   [[nodiscard]] virtual Package assemble(

@@ -92,6 +92,7 @@ class ToyMethod : public Method {
     return plan;
   }
 
+  [[nodiscard]] std::string equation(const std::string&) const override { return {}; }
   [[nodiscard]] std::vector<std::string> kinds() const override {
     return {"leaf", "pair", "total"};
   }

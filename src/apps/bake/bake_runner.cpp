@@ -63,7 +63,8 @@ TaskRunner::Made BakeRunner::run(const Assignment& assignment, const std::atomic
     made.adopted = true;
   } else {
     const Artifact artifact = make(task, Reader(*this, assignment, stop));
-    made.content = world_.store.write(task.kind, assignment.key, artifact, {task.version, {}});
+    made.content = world_.store.write(task.kind, assignment.key, artifact,
+                                      {task.version, world_.method.equation(task.kind)});
     made.figures = figures_of(artifact);
   }
   made.bytes = world_.store.bytes(task.kind, assignment.key);

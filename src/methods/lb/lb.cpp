@@ -12,25 +12,28 @@ namespace prt {
 
 namespace {
 
-using RunTask = Artifact (*)(const TaskSpec&, const TaskReader&);
+struct Task {
+  Artifact (*run)(const TaskSpec&, const TaskReader&);
+  const char* equation;  ///< of Leonhardt & Bohn where no other paper is named
+};
 
-const std::map<std::string, RunTask>& task_table() {
-  static const std::map<std::string, RunTask> table = [] {
-    std::map<std::string, RunTask> t;
-    for (const auto& kind : sampling_kinds()) t[kind] = run_sampling;
-    for (const auto& kind : rays_kinds()) t[kind] = run_rays;
-    t["visibility"] = lb::run_visibility;
-    t["lights"] = lb::run_lights;
-    t["light_basis"] = lb::run_light_basis;
-    t["light_functions"] = lb::run_light_functions;
-    t["snapshot"] = lb::run_snapshot;
-    t["snapshot_functions"] = lb::run_snapshot_functions;
-    t["galerkin"] = lb::run_galerkin;
-    t["solve"] = lb::run_solve;
-    t["transfer"] = lb::run_transfer;
-    t["residual"] = lb::run_residual;
-    t["photons"] = lb::run_photons;
-    t["photon_transfer"] = lb::run_photon_transfer;
+const std::map<std::string, Task>& task_table() {
+  static const std::map<std::string, Task> table = [] {
+    std::map<std::string, Task> t;
+    for (const auto& kind : sampling_kinds()) t[kind] = {run_sampling, "LB §4.1"};
+    for (const auto& kind : rays_kinds()) t[kind] = {run_rays, "LB §4.2"};
+    t["visibility"] = {lb::run_visibility, "LB §4.2, eq. 8-9"};
+    t["lights"] = {lb::run_lights, "LB §4.3.1"};
+    t["light_basis"] = {lb::run_light_basis, "LB §4.3.1 (uncentred)"};
+    t["light_functions"] = {lb::run_light_functions, "LB §4.3.1"};
+    t["snapshot"] = {lb::run_snapshot, "one bounce of LB §4.3.2, reduced by its singular vectors"};
+    t["snapshot_functions"] = {lb::run_snapshot_functions, "LB §4.3.2"};
+    t["galerkin"] = {lb::run_galerkin, "LB §4.3.2, eq. 4, by Galerkin projection"};
+    t["solve"] = {lb::run_solve, "LB §4.3.2, eq. 4, by Galerkin projection"};
+    t["transfer"] = {lb::run_transfer, "LB §4.3.2, eq. 10, and §4.4"};
+    t["residual"] = {lb::run_residual, "LB §4.3.2"};
+    t["photons"] = {lb::run_photons, "LB §4.3.2"};
+    t["photon_transfer"] = {lb::run_photon_transfer, "LB §4.3.2, eq. 10, and §4.4"};
     return t;
   }();
   return table;
@@ -104,12 +107,17 @@ class LeonhardtBohn : public Method {
 
   [[nodiscard]] std::vector<std::string> kinds() const override {
     std::vector<std::string> kinds;
-    for (const auto& [kind, run] : task_table()) kinds.push_back(kind);
+    for (const auto& [kind, task] : task_table()) kinds.push_back(kind);
     return kinds;
   }
 
   [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader) const override {
-    return task_table().at(task.kind)(task, reader);
+    return task_table().at(task.kind).run(task, reader);
+  }
+
+  [[nodiscard]] std::string equation(const std::string& kind) const override {
+    const auto task = task_table().find(kind);
+    return task == task_table().end() ? "" : task->second.equation;
   }
 
   [[nodiscard]] Package assemble(

@@ -28,6 +28,7 @@ class FakeMethod : public Method {
   }
   [[nodiscard]] Plan plan(const PlanInputs&) const override { return {}; }
   [[nodiscard]] std::vector<std::string> kinds() const override { return {}; }
+  [[nodiscard]] std::string equation(const std::string&) const override { return {}; }
   [[nodiscard]] Artifact run(const TaskSpec&, const TaskReader&) const override { return {}; }
   [[nodiscard]] Package assemble(
       const std::function<std::shared_ptr<const Artifact>(const std::string&)>&,

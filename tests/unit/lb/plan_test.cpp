@@ -82,6 +82,7 @@ TEST_P(LbPlan, IsPureAndSoundAtEveryStage) {
       }
       EXPECT_TRUE(place.emplace(task.id, place.size()).second) << task.id << " twice";
       EXPECT_GT(task.cost, 0.0);
+      EXPECT_NE(lb_method().equation(task.kind).find("LB §4"), std::string::npos) << task.kind;
     }
     // Known tasks are repeated unchanged.
     for (const TaskSpec& known : before.tasks) {
