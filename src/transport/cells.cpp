@@ -8,14 +8,6 @@
 
 namespace prt {
 
-std::vector<double> cumulative_areas(const Scene& scene) {
-  std::vector<double> sums(scene.triangles.size() + 1, 0.0);
-  for (std::uint32_t t = 0; t < scene.triangles.size(); ++t) {
-    sums[t + 1] = sums[t] + triangle_area(scene, t);
-  }
-  return sums;
-}
-
 namespace {
 
 constexpr int kReachRays = 16;
@@ -65,19 +57,9 @@ CellPoints draw_cell_points(const Scene& scene, const RayCaster& caster, const S
                             std::uint64_t total, std::uint64_t first, std::uint64_t count,
                             std::uint64_t stream) {
   CellPoints points;
-  const double whole = cumulative.back();
   for (std::uint64_t k = first; k < std::min(first + count, total); ++k) {
     Random random(stream, k);
-    const double along = (static_cast<double>(k) + random.uniform()) / static_cast<double>(total);
-    const auto above =
-        std::upper_bound(cumulative.begin() + 1, cumulative.end() - 1, along * whole);
-    const auto triangle = static_cast<std::uint32_t>(above - cumulative.begin() - 1);
-    // The golden-ratio sequence spreads the points of one triangle evenly.
-    const double golden = 0.6180339887498949 * static_cast<double>(k);
-    const float root = std::sqrt(random.uniform());
-    const auto slide = static_cast<float>(golden - std::floor(golden));
-    const float u = root * (1.0F - slide);
-    const float v = root * slide;
+    const auto [triangle, u, v] = area_point(cumulative, k, total, random);
     if (!opaque_at(scene, triangle, u, v)) continue;
     const Vec3f position = triangle_point(scene, triangle, u, v);
     const Vec3f front = triangle_normal(scene, triangle);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/ray_caster.h"
+#include "transport/area_points.h"
 #include "transport/sender_search.h"
 
 namespace prt {
@@ -17,9 +18,6 @@ struct CellPoints {
   std::vector<std::uint32_t> triangles;
   std::vector<float> barycentric;  ///< 2 per point: weights of vertices 1 and 2
 };
-
-/// Running sums of triangle areas, to pick area-uniform points; triangles + 1 entries, m².
-std::vector<double> cumulative_areas(const Scene& scene);
 
 /// Points first..first+count of `total` points stratified over the whole surface, on both sides. A
 /// point is kept if a compatible sample is near and the point can be reached: the sample is seen

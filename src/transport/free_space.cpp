@@ -24,13 +24,11 @@ constexpr float kLeastSide = 0.1F;
 /// A flat, wide scene has little height to keep away in: its shortest side counts this many times.
 constexpr float kSideShare = 5.0F;
 
-struct Box {
-  Vec3f low, high;
-};
+}  // namespace
 
-Box samples_box(const SampleSet& samples) {
-  Box box{Vec3f::Constant(kInfinity), Vec3f::Constant(-kInfinity)};
-  for (const Vec3f& p : samples.positions) {
+LightBox light_box(std::span<const Vec3f> points) {
+  LightBox box{Vec3f::Constant(kInfinity), Vec3f::Constant(-kInfinity)};
+  for (const Vec3f& p : points) {
     box.low = box.low.cwiseMin(p);
     box.high = box.high.cwiseMax(p);
   }
@@ -41,6 +39,8 @@ Box samples_box(const SampleSet& samples) {
   box.high += missing;
   return box;
 }
+
+namespace {
 
 /// The samples are tried in an order drawn from `random`, so that the first few settle most
 /// positions.
@@ -59,7 +59,7 @@ bool sees_a_sample(const Scene& scene, const RayCaster& caster, const SampleSet&
 }
 
 std::optional<Vec3f> free_position(const Scene& scene, const RayCaster& caster,
-                                   const SampleSet& samples, const Box& box, float clearance,
+                                   const SampleSet& samples, const LightBox& box, float clearance,
                                    Random random) {
   for (int attempt = 0; attempt < kMaxTries; ++attempt) {
     const float x = random.uniform(), y = random.uniform(), z = random.uniform();
@@ -75,7 +75,7 @@ std::optional<Vec3f> free_position(const Scene& scene, const RayCaster& caster,
 std::vector<Vec3f> free_positions(const Scene& scene, const RayCaster& caster,
                                   const SampleSet& samples, float clearance, std::uint64_t stream,
                                   std::size_t first, std::size_t count) {
-  const Box box = samples_box(samples);
+  const LightBox box = light_box(samples.positions);
   std::vector<Vec3f> positions;
   positions.reserve(count);
   for (std::size_t k = first; k < first + count && samples.size() > 0; ++k) {
@@ -93,13 +93,13 @@ std::vector<Vec3f> free_positions(const Scene& scene, const RayCaster& caster,
 }
 
 float light_clearance(const SampleSet& samples, float share) {
-  const Box box = samples_box(samples);
+  const LightBox box = light_box(samples.positions);
   return share * std::min(samples_diagonal(samples), kSideShare * (box.high - box.low).minCoeff());
 }
 
 float samples_diagonal(const SampleSet& samples) {
   if (samples.size() == 0) return 0.0F;
-  const Box box = samples_box(samples);
+  const LightBox box = light_box(samples.positions);
   return (box.high - box.low).norm();
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "domains/samples.h"
@@ -10,7 +11,15 @@
 
 namespace prt {
 
-/// A position is free when it lies in the samples' bounding box, at least `clearance` (m) from
+struct LightBox {
+  Vec3f low, high;
+};
+
+/// The bounding box of points, at least a tenth of its diagonal wide along every axis: a flat scene
+/// has room for lights above it.
+LightBox light_box(std::span<const Vec3f> points);
+
+/// A position is free when it lies in the samples' light_box, at least `clearance` (m) from
 /// every surface, and sees at least one sample from that sample's front. Draws `count` of them
 /// uniformly; position k depends on (stream, k) alone, so any range can be drawn by any task:
 /// `first` is the number of the first. Throws UserError when a position cannot be found in 10,000

@@ -10,6 +10,7 @@
 #include "domains/thinning.h"
 #include "methods/common/inputs.h"
 #include "store/samples_io.h"
+#include "transport/area_points.h"
 #include "transport/cells.h"
 #include "transport/particles.h"
 
@@ -19,6 +20,9 @@ namespace {
 
 // Candidates per wanted sample: more closes the gaps of the Poisson-disk set, fewer saves rays.
 constexpr double kCandidatesPerSample = 24.0;
+// Points uniform in area per wanted sample, for ground that particles seldom meet: less than one
+// disk in a hundred stays empty where they alone cover the surface, and half of it is out of reach.
+constexpr double kAreaPointsPerSample = 4.0;
 constexpr std::size_t kCandidatesPerTask = 100000;
 constexpr std::size_t kRaysPerCandidate = 40;  // budget where most particles escape
 constexpr std::uint64_t kParticlesPerTask = std::uint64_t{1} << 40;
@@ -67,19 +71,20 @@ TaskSpec start_task(const PlanInputs& inputs) {
 }
 
 std::vector<TaskSpec> candidate_tasks(const PlanInputs& inputs) {
-  const auto wanted =
-      static_cast<std::size_t>(kCandidatesPerSample * static_cast<double>(std::max<std::size_t>(
-                                                          100, wanted_samples(inputs))));
+  const auto samples = static_cast<double>(std::max<std::size_t>(100, wanted_samples(inputs)));
+  const auto wanted = static_cast<std::size_t>(kCandidatesPerSample * samples);
   const std::size_t tasks = (wanted + kCandidatesPerTask - 1) / kCandidatesPerTask;
   std::vector<TaskSpec> result;
   for (std::size_t i = 0; i < tasks; ++i) {
-    TaskSpec spec = task(numbered("candidates", i), "candidates", 1);
+    TaskSpec spec = task(numbered("candidates", i), "candidates", 2);
     spec.inputs = {"start"};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},
                        {"wanted", (wanted + tasks - 1) / tasks},
-                       {"part", i}};
-    spec.cost = 0.3;
+                       {"area_points", static_cast<std::uint64_t>(kAreaPointsPerSample * samples)},
+                       {"part", i},
+                       {"parts", tasks}};
+    spec.cost = 0.4;
     result.push_back(spec);
   }
   return result;
@@ -142,7 +147,14 @@ Artifact run_candidates(const TaskSpec& task, const TaskReader& reader) {
   settings.ray_budget = kRaysPerCandidate * settings.wanted;
   settings.stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "candidates");
   settings.first_particle = task.parameters["part"].get<std::uint64_t>() * kParticlesPerTask;
-  const SurfacePoints points = trace_particles(reader.scene(), reader.ray_caster(), settings);
+  SurfacePoints points = trace_particles(reader.scene(), reader.ray_caster(), settings);
+  AreaPointSettings area;
+  area.start = settings.start;
+  area.total = task.parameters["area_points"].get<std::uint64_t>();
+  area.first = task.parameters["part"].get<std::uint64_t>();
+  area.step = task.parameters["parts"].get<std::uint64_t>();
+  area.stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "area points");
+  points.append(draw_area_points(reader.scene(), reader.ray_caster(), points, area));
   Artifact out;
   out.put("position", points.positions, "m", "candidate positions");
   out.put("normal", points.normals, "1", "unit geometric normals on the side hit");

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 #include "scene/embree/embree_ray_caster.h"
 #include "unit/evaluate/box_room.h"
@@ -41,6 +44,44 @@ TEST(FreeSpace, SolidsAndTheirInsidesAreNotFree) {
     const bool inside = (p.array() > low.array()).all() && (p.array() < high.array()).all();
     EXPECT_FALSE(inside);
   }
+}
+
+/// A horizontal square, 10 m wide, front upwards, with samples on its top.
+struct Field {
+  Field() {
+    test::add_quad(scene, {-5, 0, -5}, {0, 0, 10}, {10, 0, 0},
+                   test::add_material(scene, Vec3f::Constant(0.5F)));
+    test::finish(scene);
+    for (int i = 0; i < 100; ++i) {
+      samples.positions.emplace_back(static_cast<float>(i % 10) - 4.5F, 0.0F,
+                                     static_cast<float>(i / 10) - 4.5F);
+      samples.normals.push_back(Vec3f::UnitY());
+    }
+  }
+  Scene scene;
+  SampleSet samples;
+};
+
+// The box of a flat scene reaches below it as well, but from there no sample's front is seen.
+TEST(FreeSpace, OverAFlatSceneIsAboveIt) {
+  constexpr float kClearance = 0.1F;
+  const Field field;
+  const auto caster = make_embree_ray_caster(field.scene);
+  const LightBox box = light_box(field.samples.positions);
+  const float diagonal = std::sqrt(2.0F) * 9.0F;
+  EXPECT_NEAR(box.high.y(), 0.05F * diagonal, 1e-5F);
+  EXPECT_NEAR(box.low.y(), -0.05F * diagonal, 1e-5F);
+  EXPECT_FLOAT_EQ(box.high.x(), 4.5F);
+  float highest = 0.0F;
+  for (const Vec3f& p :
+       free_positions(field.scene, *caster, field.samples, kClearance, 5, 0, 200)) {
+    EXPECT_GE(p.y(), kClearance);
+    highest = std::max(highest, p.y());
+  }
+  EXPECT_GT(highest, 0.9F * box.high.y());
+  // So flat a scene takes its clearance from its height: 5 · 0.1 of the diagonal, not all of it.
+  EXPECT_NEAR(light_clearance(field.samples, 0.02F), 0.02F * 0.5F * samples_diagonal(field.samples),
+              0.02F * diagonal * 0.01F);
 }
 
 TEST(FreeSpace, SaysWhenThereIsNone) {
