@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"
@@ -79,6 +81,36 @@ TEST(SingularVectors, OfDeficientMatricesStopAtTheRank) {
       EXPECT_NEAR(basis.energy, 1.0, kSquaredValue);
       const MatrixD again = m * basis.vectors.transpose() * basis.vectors;
       EXPECT_LT((m - again).norm(), 1e-6 * m.norm());
+    }
+  }
+}
+
+/// Singular values 1, 10^-1/2, 10^-1, ... down to 1e-12.
+MatrixD steep_matrix(Eigen::Index rows, Eigen::Index cols) {
+  constexpr Eigen::Index kValues = 25;
+  const auto orthonormal = [](Eigen::Index size, std::uint64_t stream) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(random_matrix(size, kValues, stream));
+    return Eigen::MatrixXd(qr.householderQ() * Eigen::MatrixXd::Identity(size, kValues));
+  };
+  Eigen::MatrixXd left = orthonormal(rows, 11);
+  for (Eigen::Index i = 0; i < kValues; ++i) left.col(i) *= std::pow(10.0, -0.5 * double(i));
+  return left * orthonormal(cols, 12).transpose();
+}
+
+// Eigenvectors of a Gram matrix lose orthogonality where σ is small, and below 1e-8 they are noise.
+TEST(SingularVectors, OfSteepSpectraStayOrthonormal) {
+  for (const auto& [rows, cols] : {std::pair{60, 90}, {90, 60}, {200, 300}, {300, 200}}) {
+    const MatrixD m = steep_matrix(rows, cols);
+    const SingularBasis basis = leading_right_vectors(m, 25);
+    // 10^-6.5 is above the zero of 1e-7, 10^-7.5 below it; 1e-7 itself may fall either way.
+    EXPECT_GE(basis.vectors.rows(), 14);
+    EXPECT_LE(basis.vectors.rows(), 15);
+    EXPECT_LT(orthonormality_defect(basis.vectors), kDefect);
+    // What is left out is what counts as zero, and rounding of as much.
+    const MatrixD left = m - m * basis.vectors.transpose() * basis.vectors;
+    EXPECT_LT(left.norm(), 1e-6 * m.norm());
+    for (Eigen::Index i = 1; i < basis.values.size(); ++i) {
+      EXPECT_LE(basis.values[i], basis.values[i - 1]);
     }
   }
 }
