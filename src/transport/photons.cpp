@@ -10,18 +10,31 @@ namespace prt {
 namespace {
 
 constexpr std::size_t kPhotonBatch = 1024;
-constexpr int kPlacementTries = 64;
+constexpr float kThird = 1.0F / 3.0F;
 
-/// Draws points uniform in area over the cells of one cluster.
+/// Draws points uniform in area over the cells of one cluster, out of those that measured the
+/// cells.
 class CellEmitter {
  public:
-  CellEmitter(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
-              const SenderSearch& search, std::uint32_t cluster)
-      : scene_(scene), caster_(caster), samples_(samples), search_(search) {
+  CellEmitter(const Scene& scene, const SampleSet& samples, const CellPoints& points,
+              std::uint32_t cluster)
+      : scene_(scene), samples_(samples), points_(points) {
     begin_ = samples.cluster_begin[cluster];
-    cumulative_.push_back(0.0);
-    for (std::uint32_t s = begin_; s < samples.cluster_begin[cluster + 1]; ++s) {
+    const std::uint32_t end = samples.cluster_begin[cluster + 1];
+    for (std::uint32_t s = begin_; s < end; ++s) {
       cumulative_.push_back(cumulative_.back() + samples.areas[s]);
+    }
+    for (std::size_t k = 0; k < points.samples.size(); ++k) {
+      if (points.samples[k] >= begin_ && points.samples[k] < end) own_.push_back(k);
+    }
+    std::stable_sort(own_.begin(), own_.end(), [&](std::size_t a, std::size_t b) {
+      return points.samples[a] < points.samples[b];
+    });
+    for (std::uint32_t s = begin_; s <= end; ++s) {
+      const auto at =
+          std::lower_bound(own_.begin(), own_.end(), s,
+                           [&](std::size_t k, std::uint32_t x) { return points.samples[k] < x; });
+      cell_begin_.push_back(static_cast<std::size_t>(at - own_.begin()));
     }
   }
   [[nodiscard]] double area() const { return cumulative_.back(); }
@@ -30,46 +43,46 @@ class CellEmitter {
     SurfacePoint point;
     std::uint32_t sample;
   };
-  /// `share` in [0, 1) picks the cell by area.
-  Start draw(double share, Random& random) const {
-    const auto above =
-        std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, share * area());
-    const auto sample = begin_ + static_cast<std::uint32_t>(above - cumulative_.begin() - 1);
-    for (int i = 0; i < kPlacementTries; ++i) {
-      const auto point = try_place(sample, random);
-      if (point.triangle != kNone) return {point, sample};
+  /// `share` in [0, 1) picks the cell by area, and the point in it.
+  [[nodiscard]] Start draw(double share) const {
+    const double along = share * area();
+    const auto above = std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, along);
+    const auto i = static_cast<std::size_t>(above - cumulative_.begin() - 1);
+    const auto sample = begin_ + static_cast<std::uint32_t>(i);
+    const std::size_t count = cell_begin_[i + 1] - cell_begin_[i];
+    if (count == 0) {  // the cell is smaller than the points can tell
+      return {{samples_.positions[sample], samples_.normals[sample], samples_.triangles[sample],
+               kThird, kThird},
+              sample};
     }
-    return {{samples_.positions[sample], samples_.normals[sample], samples_.triangles[sample]},
-            sample};
+    const double within = (along - cumulative_[i]) / (cumulative_[i + 1] - cumulative_[i]);
+    const auto k =
+        std::min(count - 1, static_cast<std::size_t>(within * static_cast<double>(count)));
+    return {point(own_[cell_begin_[i] + k], samples_.normals[sample]), sample};
   }
 
  private:
-  /// A uniform point of the disk around the sample, dropped onto the surface; none if it is not in
-  /// the sample's cell.
-  SurfacePoint try_place(std::uint32_t sample, Random& random) const {
-    const float reach = 1.25F * samples_.radii[sample];
-    const float x = 2.0F * random.uniform() - 1.0F;
-    const float y = 2.0F * random.uniform() - 1.0F;
-    if (x * x + y * y > 1.0F) return {};
-    const Mat3f frame = samples_.frame(sample);
-    const Vec3f& n = samples_.normals[sample];
-    const Vec3f above = samples_.positions[sample] + reach * (frame * Vec3f(x, y, 0.5F));
-    const Ray down{above, -n, 0.0F, reach};
-    const Hit hit = caster_.intersect(down);
-    if (hit.escaped()) return {};
-    const SurfacePoint point = surface_at(scene_, down, hit);
-    if (search_.find_near(point) != sample) return {};
-    const Vec3f from = offset_origin(scene_, point.position, point.normal);
-    if (!caster_.visible(from, offset_origin(scene_, samples_.positions[sample], n))) return {};
-    return point;
+  [[nodiscard]] SurfacePoint point(std::size_t k, const Vec3f& side) const {
+    const std::uint32_t triangle = points_.triangles[k];
+    const float u = points_.barycentric[2 * k];
+    const float v = points_.barycentric[2 * k + 1];
+    const Vec3f front = triangle_normal(scene_, triangle);
+    const bool is_front = front.dot(side) > 0.0F;
+    return {triangle_point(scene_, triangle, u, v),
+            is_front ? front : Vec3f(-front),
+            triangle,
+            u,
+            v,
+            is_front};
   }
 
   const Scene& scene_;
-  const RayCaster& caster_;
   const SampleSet& samples_;
-  const SenderSearch& search_;
+  const CellPoints& points_;
   std::uint32_t begin_ = 0;
-  std::vector<double> cumulative_;
+  std::vector<double> cumulative_{0.0};  ///< areas
+  std::vector<std::size_t> own_;         ///< the cluster's points, cell by cell
+  std::vector<std::size_t> cell_begin_;
 };
 
 struct Photon {
@@ -90,13 +103,13 @@ bool reflect(Photon& photon, const Vec3f& albedo) {
 }  // namespace
 
 PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
-                             const SenderSearch& search, std::uint32_t cluster,
-                             const MatrixF& functions, int channels,
+                             const SenderSearch& search, const CellPoints& points,
+                             std::uint32_t cluster, const MatrixF& functions, int channels,
                              const PhotonSettings& settings) {
   const Eigen::Index k = functions.rows();
   PhotonTransfer out;
   MatrixD power = MatrixD::Zero(static_cast<Eigen::Index>(samples.size()), channels * k);
-  const CellEmitter emitter(scene, caster, samples, search, cluster);
+  const CellEmitter emitter(scene, samples, points, cluster);
   const MatrixF columns = functions.transpose();  // one row per sample of the cluster
   std::vector<Photon> photons;
   std::vector<Ray> rays;
@@ -115,7 +128,7 @@ PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const 
       Photon photon{Random(settings.stream, i), 0, Vec3f::Ones(), 0};
       const double share = (static_cast<double>(i) + photon.random.uniform()) /
                            static_cast<double>(settings.photons);
-      const auto start = emitter.draw(share, photon.random);
+      const auto start = emitter.draw(share);
       photon.origin = start.sample - samples.cluster_begin[cluster];
       if (reflect(photon, albedo_at(scene, start.point.triangle, start.point.u, start.point.v))) {
         launch(photon, start.point);

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "scene/ray_caster.h"
+#include "transport/cells.h"
 #include "transport/sender_search.h"
 
 namespace prt {
@@ -24,12 +25,14 @@ struct PhotonTransfer {
   std::uint64_t lost = 0;  ///< landed where no sample stands
 };
 
-/// functions: k × n_c, the cluster's light basis (values at its samples). Photons start uniform in
-/// area over the cluster's cells, leave with cosine density and weight albedo, and are counted in
-/// the cell they land in; density is power over cell area.
+/// functions: k × n_c, the cluster's light basis (values at its samples). Photons start at the
+/// points that measured the cluster's cells, so uniform in area over all of each cell, the parts
+/// its sample does not see included; points of other clusters do not matter. They leave with cosine
+/// density and weight albedo, and are counted in the cell they land in; density is power over cell
+/// area.
 PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
-                             const SenderSearch& search, std::uint32_t cluster,
-                             const MatrixF& functions, int channels,
+                             const SenderSearch& search, const CellPoints& points,
+                             std::uint32_t cluster, const MatrixF& functions, int channels,
                              const PhotonSettings& settings);
 
 }  // namespace prt

@@ -32,6 +32,15 @@ inline SampleSet samples_of(const InProcessBake& bake) {
   return get_samples(*bake.result(kSamplesTask));
 }
 
+/// The points that measured the cells.
+inline CellPoints cell_points_of(const InProcessBake& bake) {
+  CellPoints points;
+  for (std::size_t i = 0; const auto part = bake.result(numbered("cells", i)); ++i) {
+    append_cell_points(*part, points);
+  }
+  return points;
+}
+
 /// Senders of all samples, samples × directions.
 inline std::vector<std::uint32_t> senders_of(const InProcessBake& bake, std::size_t clusters) {
   std::vector<std::uint32_t> all;

@@ -18,6 +18,15 @@ VectorF cluster_areas(const SampleSet& samples, std::uint32_t cluster) {
                                    samples.cluster_size(cluster));
 }
 
+void append_cell_points(const Artifact& part, CellPoints& points) {
+  const auto samples = part.values<std::uint32_t>("sample");
+  const auto triangles = part.values<std::uint32_t>("triangle");
+  const auto barycentric = part.values<float>("barycentric");
+  points.samples.insert(points.samples.end(), samples.begin(), samples.end());
+  points.triangles.insert(points.triangles.end(), triangles.begin(), triangles.end());
+  points.barycentric.insert(points.barycentric.end(), barycentric.begin(), barycentric.end());
+}
+
 std::string numbered(const std::string& stage, std::size_t i) {
   return fmt::format("{}/{:04}", stage, i);
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "methods/method.h"
+#include "transport/cells.h"
 #include "transport/sender_search.h"
 
 namespace prt {
@@ -23,6 +24,9 @@ std::shared_ptr<const SharedSamples> shared_samples(const TaskReader& reader, st
 
 /// Area weights of a cluster's samples.
 VectorF cluster_areas(const SampleSet& samples, std::uint32_t cluster);
+
+/// Appends the points of one artifact of the stage "cells".
+void append_cell_points(const Artifact& part, CellPoints& points);
 
 /// "rays/0007"
 std::string numbered(const std::string& stage, std::size_t i);

@@ -14,13 +14,15 @@ Artifact run_photons(const TaskSpec& task, const TaskReader& reader) {
                           .block(shared->samples.cluster_begin[cluster], 0,
                                  shared->samples.cluster_size(cluster), functions->of(cluster))
                           .transpose();
+  CellPoints points;
+  for (std::size_t i = 2; i < task.inputs.size(); ++i) append_cell_points(*reader.input(i), points);
   PhotonSettings settings;
   settings.photons = p["photons"].get<std::uint64_t>();
   settings.bounces = p["bounces"].get<int>();
   settings.stream = stream_key(p["seed"].get<std::uint64_t>(), task.id);
   const PhotonTransfer shot =
-      shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, shared->search, cluster,
-                    own, p["channels"].get<int>(), settings);
+      shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, shared->search, points,
+                    cluster, own, p["channels"].get<int>(), settings);
   Artifact out;
   out.put("irradiance", shot.irradiance, "W/m^2",
           "indirect irradiance at all samples by each light function, channels side by side");

@@ -220,14 +220,19 @@ class Planner {
 
   void plan_photons() {
     const double photons = options_.get<double>("lb.photons") / static_cast<double>(clusters_);
+    std::vector<std::string> inputs = {kSamplesTask, kLightFunctions};
+    for (const TaskSpec& task : plan_.tasks) {
+      if (task.kind == "cells") inputs.push_back(task.id);
+    }
     per_cluster("photons", "photons", [&](TaskSpec& spec, std::size_t) {
-      spec.inputs = {kSamplesTask, kLightFunctions};
+      spec.version = 2;
+      spec.inputs = inputs;
       spec.scene_parts = kGeometry | kMaterials;
       spec.parameters["photons"] = static_cast<std::uint64_t>(std::ceil(photons));
       spec.parameters["channels"] = channels_;
       spec.parameters["bounces"] = bounces();
       spec.parameters["seed"] = seed();
-      spec.cost = 4e-6 * photons;
+      spec.cost = 2e-6 * photons;
     });
     per_cluster("photon_transfer", "photon_transfer", [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = {kSamplesTask, kLightFunctions};

@@ -29,7 +29,7 @@ Artifact run_transfer(const TaskSpec& task, const TaskReader& reader);
 /// samples, albedo, rays/c, probes of transfer/* → residual of the transport equation.
 Artifact run_residual(const TaskSpec& task, const TaskReader& reader);
 
-/// samples, light_functions → transfer of one sender cluster by photons (LB §4.3.2).
+/// samples, light_functions, cells/* → transfer of one sender cluster by photons (LB §4.3.2).
 Artifact run_photons(const TaskSpec& task, const TaskReader& reader);
 /// samples, light_functions, photons/* → compressed transfer of one receiver cluster.
 Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader);

@@ -177,13 +177,14 @@ TEST(Furnace, TheScenesAlbedoIsWhatItsFileSays) {
 /// Indirect irradiance caused by direct irradiance 1 everywhere, from `photons` per cluster.
 MatrixF shoot_constant(const Room& room, std::uint64_t photons, int bounces) {
   const SenderSearch search(room.scene, room.samples);
+  const CellPoints points = test::cell_points_of(room.bake);
   MatrixF sum = 0.0F * ones(room);
   double leaked = 0.0;
   double flights = 0.0;
   for (std::uint32_t c = 0; c < room.samples.clusters(); ++c) {
-    const PhotonTransfer shot = shoot_photons(room.scene, room.bake.caster(), room.samples, search,
-                                              c, MatrixF::Ones(1, room.samples.cluster_size(c)), 1,
-                                              {photons, bounces, 100 + c});
+    const PhotonTransfer shot = shoot_photons(
+        room.scene, room.bake.caster(), room.samples, search, points, c,
+        MatrixF::Ones(1, room.samples.cluster_size(c)), 1, {photons, bounces, 100 + c});
     leaked += static_cast<double>(shot.escaped + shot.lost);
     flights += static_cast<double>(shot.flights);
     sum += shot.irradiance;
