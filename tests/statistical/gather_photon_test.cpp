@@ -15,6 +15,7 @@
 #include "support/partial_bake.h"
 #include "transport/direct.h"
 #include "transport/free_space.h"
+#include "transport/hemisphere.h"
 #include "transport/photons.h"
 
 namespace prt {
@@ -22,8 +23,17 @@ namespace {
 
 constexpr std::size_t kLights = 8;
 constexpr Eigen::Index kChannels = 3;
-constexpr int kBatches = 24;
-constexpr std::uint64_t kPhotonsPerBatch = 16000;  // from each cluster
+// Of the samples' diagonal. Nearer to a wall one cell holds most of the light, and the noise of
+// both solvers there would hide what is looked for.
+constexpr float kClearance = 0.05F;
+// Some 200 per cell: photons start at these points and are divided by the areas they measure, and
+// with the bake's own 32 the areas are wrong by 18 %.
+constexpr std::uint64_t kCellPoints = 600000;
+constexpr int kBatches = 48;
+constexpr std::uint64_t kPhotonsPerBatch = 8000;    // from each cluster
+constexpr std::uint64_t kReceiversPerBatch = 2000;  // on all the surface
+// Few: what they miss of one receiver the next ones see, each turned at random.
+constexpr int kReceiverDirections = 504;
 // Gather's own bias: finitely many directions, cells as senders, snapshot bases and compression.
 // Of the scene's mean indirect irradiance under the same light; photons have none of these.
 constexpr double kBias = 0.01;
@@ -38,9 +48,10 @@ struct Setting {
     bake = std::make_unique<test::InProcessBake>(scene, options);
     plan = bake->run(lb_method());
     samples = test::samples_of(*bake);
+    measure_cells();
     functions = lb::get_light_functions(*bake->result("light_functions"));
     const auto lights =
-        free_positions(scene, bake->caster(), samples, 0.02F * samples_diagonal(samples),
+        free_positions(scene, bake->caster(), samples, kClearance * samples_diagonal(samples),
                        stream_key(99, "held-out lights"), 0, kLights);
     const MatrixF direct =
         direct_irradiance(scene, bake->caster(), samples, 0,
@@ -56,6 +67,16 @@ struct Setting {
       coefficients.middleRows(functions.functions.begin[c], k) = own;
       projected.middleRows(first, n) = functions.functions.values.block(first, 0, n, k) * own;
     }
+  }
+  void measure_cells() {
+    const SenderSearch search(scene, samples);
+    const std::vector<double> cumulative = cumulative_areas(scene);
+    points = draw_cell_points(scene, bake->caster(), samples, search, cumulative, kCellPoints, 0,
+                              kCellPoints, stream_key(99, "cells"));
+    const auto area = static_cast<float>(cumulative.back() / kCellPoints);
+    std::fill(samples.areas.begin(), samples.areas.end(), 0.0F);
+    for (const std::uint32_t s : points.samples) samples.areas[s] += area;
+    for (float& a : samples.areas) a = std::max(a, 0.5F * area);
   }
   /// Area means of irradiance (samples × channels·lights) over each cluster.
   [[nodiscard]] MatrixD cluster_means(const MatrixF& irradiance) const {
@@ -73,6 +94,7 @@ struct Setting {
   std::unique_ptr<test::InProcessBake> bake;
   Plan plan;
   SampleSet samples;
+  CellPoints points;
   lb::LightFunctions functions;
   MatrixF coefficients;  ///< functions × lights
   MatrixF projected;     ///< samples × lights: direct light as the functions hold it
@@ -115,86 +137,159 @@ MatrixF shot(const Setting& s, const SenderSearch& search, int batch) {
     PhotonSettings settings;
     settings.photons = kPhotonsPerBatch;
     settings.stream = stream_key(static_cast<std::uint64_t>(batch), numbered("photons", c));
-    all += shoot_photons(s.scene, s.bake->caster(), s.samples, search, c, own, kChannels, settings)
+    all += shoot_photons(s.scene, s.bake->caster(), s.samples, search, s.points, c, own, kChannels,
+                         settings)
                .irradiance;
   }
   return all;
 }
 
-/// Area means per cluster by both solvers, clusters × (channels · lights); last row: the scene.
-struct Comparison {
-  MatrixD gather, photons, error;  ///< error: standard error of photons
+/// Points uniform in area over all cells as receivers, each turned at random about its normal; its
+/// radius and area mean nothing.
+SampleSet receivers_at(const Setting& s, const CellPoints& points, std::uint64_t stream) {
+  SampleSet receivers;
+  for (std::size_t i = 0; i < points.samples.size(); ++i) {
+    Random random(stream, i);
+    const Vec3f front = triangle_normal(s.scene, points.triangles[i]);
+    const bool is_front = front.dot(s.samples.normals[points.samples[i]]) > 0.0F;
+    const Vec3f normal = is_front ? front : Vec3f(-front);
+    const float angle = 2.0F * kPi * random.uniform();
+    receivers.positions.push_back(triangle_point(
+        s.scene, points.triangles[i], points.barycentric[2 * i], points.barycentric[2 * i + 1]));
+    receivers.normals.push_back(normal);
+    receivers.tangents.push_back(Eigen::AngleAxisf(angle, normal) * normal.unitOrthogonal());
+    receivers.triangles.push_back(points.triangles[i]);
+    receivers.areas.push_back(1.0F);
+    receivers.radii.push_back(1.0F);
+  }
+  receivers.cluster_begin = {0, static_cast<std::uint32_t>(points.samples.size())};
+  return receivers;
+}
+
+/// Area means per cluster of what points uniform in area gather from the samples: direct light and
+/// `indirect` (samples × channels·lights). One batch with random numbers of its own.
+MatrixD gathered_anywhere(const Setting& s, const SenderSearch& search, const MatrixF& indirect,
+                          int batch) {
+  static const HemisphereDirections directions(kReceiverDirections);
+  const auto key = static_cast<std::uint64_t>(batch);
+  const CellPoints points =
+      draw_cell_points(s.scene, s.bake->caster(), s.samples, search, cumulative_areas(s.scene),
+                       kReceiversPerBatch, 0, kReceiversPerBatch, stream_key(key, "receivers"));
+  const SampleSet receivers = receivers_at(s, points, stream_key(key, "turns"));
+  const HemisphereRays rays =
+      cast_hemispheres(s.scene, s.bake->caster(), receivers, search, directions, 0,
+                       static_cast<std::uint32_t>(receivers.size()), samples_diagonal(s.samples));
+  std::vector<MatrixF> light;
+  for (Eigen::Index c = 0; c < kChannels; ++c) {
+    light.emplace_back(s.projected + indirect.middleCols(c * kLights, kLights));
+  }
+  const std::vector<MatrixF> received = gather_fields(
+      rays.senders, directions.weights(), s.bake->result(kAlbedoTask)->matrix("albedo"), light);
+  const auto cluster = s.samples.cluster_of_sample();
+  MatrixD means = MatrixD::Zero(s.samples.clusters(), indirect.cols());
+  VectorD counts = VectorD::Zero(s.samples.clusters());
+  for (std::size_t i = 0; i < receivers.size(); ++i) {
+    const std::uint32_t own = cluster[points.samples[i]];
+    counts[own] += 1.0;
+    for (Eigen::Index c = 0; c < kChannels; ++c) {
+      means.row(own).segment(c * kLights, kLights) +=
+          received[c].row(static_cast<Eigen::Index>(i)).cast<double>();
+    }
+  }
+  return counts.cwiseInverse().asDiagonal() * means;
+}
+
+/// Mean of batches and its squared standard error.
+class Batches {
+ public:
+  void add(const MatrixD& batch) {
+    if (count_ == 0) sum_ = squares_ = 0.0 * batch;
+    sum_ += batch;
+    squares_ += batch.cwiseAbs2();
+    count_ += 1.0;
+  }
+  [[nodiscard]] MatrixD mean() const { return sum_ / count_; }
+  [[nodiscard]] MatrixD variance() const {
+    return (squares_ / count_ - mean().cwiseAbs2()).cwiseMax(0.0) / (count_ - 1.0);
+  }
+
+ private:
+  MatrixD sum_, squares_;
+  double count_ = 0.0;
 };
 
-MatrixD with_scene(const MatrixD& clusters, const VectorD& areas) {
-  MatrixD all(clusters.rows() + 1, clusters.cols());
-  all.topRows(clusters.rows()) = clusters;
-  all.bottomRows(1) = areas.transpose() * clusters / areas.sum();
+/// Area means, regions × (channels · lights). A region is a cluster or the scene.
+struct Comparison {
+  MatrixD gather, photons, error;  ///< error: standard error of the difference
+  Eigen::RowVectorXd scene_mean;   ///< of photons
+};
+struct Comparisons {
+  Comparison scene, clusters;
+};
+
+/// The scene: irradiance at the samples, as the player has it. Clusters: the samples of one are too
+/// few to tell its mean to 1 %, so the light at the samples is gathered once more, at as many
+/// random points as that needs. Both solvers then have the same expectation but for kBias.
+Comparisons compare() {
+  const Setting s;
+  const SenderSearch search(s.scene, s.samples);
+  VectorD share(s.samples.clusters());
+  for (std::uint32_t c = 0; c < s.samples.clusters(); ++c) {
+    share[c] = cluster_areas(s.samples, c).cast<double>().sum();
+  }
+  share /= share.sum();
+  const MatrixF at_samples = gathered(s);
+  Batches anywhere, shots, scene_shots;
+  for (int batch = 0; batch < kBatches; ++batch) {
+    anywhere.add(gathered_anywhere(s, search, at_samples, batch));
+    const MatrixD means = s.cluster_means(shot(s, search, batch));
+    shots.add(means);
+    scene_shots.add(share.transpose() * means);
+  }
+  const Eigen::RowVectorXd scene_mean = scene_shots.mean();
+  return {{share.transpose() * s.cluster_means(at_samples), scene_mean,
+           scene_shots.variance().cwiseSqrt(), scene_mean},
+          {anywhere.mean(), shots.mean(), (anywhere.variance() + shots.variance()).cwiseSqrt(),
+           scene_mean}};
+}
+
+/// Every deviation lies within the bias allowed and the noise.
+void expect_agreement(const Comparison& both) {
+  const Eigen::Index regions = both.gather.rows();
+  const double alpha =
+      1.0 - std::pow(1.0 - test::kFamilyWiseError, 1.0 / static_cast<double>(both.gather.size()));
+  double largest = 0.0;
+  double largest_error = 0.0;
+  for (Eigen::Index c = 0; c < regions; ++c) {
+    for (Eigen::Index l = 0; l < both.gather.cols(); ++l) {
+      const double mean = both.scene_mean[l];
+      const double error = both.error(c, l);
+      const double off = std::abs(both.gather(c, l) - both.photons(c, l));
+      largest = std::max(largest, off / mean);
+      largest_error = std::max(largest_error, error / mean);
+      const double beyond = std::max(0.0, off - kBias * mean);
+      EXPECT_GE(test::p_value(beyond / error), alpha)
+          << "region " << c << ", light " << l % static_cast<Eigen::Index>(kLights) << ", channel "
+          << l / static_cast<Eigen::Index>(kLights) << ": gather " << both.gather(c, l)
+          << ", photons " << both.photons(c, l) << " +- " << error << ", scene's mean " << mean;
+    }
+  }
+  const double typical = std::sqrt(
+      (both.error * both.scene_mean.cwiseInverse().transpose().asDiagonal()).cwiseAbs2().mean());
+  std::cout << both.gather.size() << " comparisons; of the scene's mean, largest deviation "
+            << largest << ", largest standard error " << largest_error << ", typical " << typical
+            << '\n';
+}
+
+const Comparisons& comparisons() {
+  static const Comparisons all = compare();
   return all;
 }
 
-Comparison compare() {
-  const Setting s;
-  const SenderSearch search(s.scene, s.samples);
-  VectorD areas(s.samples.clusters());
-  for (std::uint32_t c = 0; c < s.samples.clusters(); ++c) {
-    areas[c] = cluster_areas(s.samples, c).cast<double>().sum();
-  }
-  Comparison result;
-  result.gather = with_scene(s.cluster_means(gathered(s)), areas);
-  MatrixD sum = 0.0 * result.gather;
-  MatrixD squares = sum;
-  for (int batch = 0; batch < kBatches; ++batch) {
-    const MatrixD means = with_scene(s.cluster_means(shot(s, search, batch)), areas);
-    sum += means;
-    squares += means.cwiseAbs2();
-  }
-  result.photons = sum / kBatches;
-  result.error = ((squares / kBatches - result.photons.cwiseAbs2()).cwiseMax(0.0) / (kBatches - 1))
-                     .cwiseSqrt();
-  return result;
-}
+TEST(GatherAndPhotons, AgreeOnTheSceneUnderHeldOutLights) { expect_agreement(comparisons().scene); }
 
-/// Every deviation of these rows lies within the bias allowed and the photons' noise.
-void expect_agreement(const Comparison& both, Eigen::Index first, Eigen::Index rows) {
-  const Eigen::RowVectorXd scene_mean = both.photons.bottomRows(1);
-  const double alpha = 1.0 - std::pow(1.0 - test::kFamilyWiseError,
-                                      1.0 / static_cast<double>(rows * both.gather.cols()));
-  double largest = 0.0;
-  double largest_error = 0.0;
-  for (Eigen::Index c = first; c < first + rows; ++c) {
-    for (Eigen::Index l = 0; l < both.gather.cols(); ++l) {
-      const double error = both.error(c, l);
-      const double off = std::abs(both.gather(c, l) - both.photons(c, l));
-      largest = std::max(largest, off / scene_mean[l]);
-      largest_error = std::max(largest_error, error / scene_mean[l]);
-      const double beyond = std::max(0.0, off - kBias * scene_mean[l]);
-      EXPECT_GE(test::p_value(beyond / error), alpha)
-          << "cluster " << c << ", light " << l % static_cast<Eigen::Index>(kLights) << ", channel "
-          << l / static_cast<Eigen::Index>(kLights) << ": gather " << both.gather(c, l)
-          << ", photons " << both.photons(c, l) << " +- " << error << ", scene's mean "
-          << scene_mean[l];
-    }
-  }
-  std::cout << rows * both.gather.cols() << " comparisons; of the scene's mean, largest deviation "
-            << largest << ", largest standard error " << largest_error << '\n';
-}
-
-const Comparison& comparison() {
-  static const Comparison both = compare();
-  return both;
-}
-
-TEST(GatherAndPhotons, AgreeOnTheSceneUnderHeldOutLights) {
-  expect_agreement(comparison(), comparison().gather.rows() - 1, 1);
-}
-
-// Does not hold at so few samples. Measured, all bounces: the largest deviation is 12 % of the
-// scene's mean at 3,000 samples and 4 % at 12,000; with one bounce it is the same. The cause is not
-// proven: the resolution of the gather and the rank cap of the compressed transfer, which is what
-// is compared here, are the candidates. To see it: --gtest_also_run_disabled_tests.
-TEST(GatherAndPhotons, DISABLED_AgreeOnEveryClusterUnderHeldOutLights) {
-  expect_agreement(comparison(), 0, comparison().gather.rows() - 1);
+TEST(GatherAndPhotons, AgreeOnEveryClusterUnderHeldOutLights) {
+  expect_agreement(comparisons().clusters);
 }
 
 }  // namespace
