@@ -1,0 +1,177 @@
+// prt_eval as scripts call it: its three forms on a bake of the closed box, and rubbish.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "support/program.h"
+
+namespace prt {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kPrograms = std::string(PRT_BINARY_DIR) + "/bin/";
+const std::string kScene = std::string(PRT_SOURCE_DIR) + "/configs/scenes/closed_box.glb";
+// Half a metre above the middle of a box of 2 m.
+const std::string kLight = "point:0,0.5,0:1,1,1";
+constexpr double kHeight = 1.5;  // of the light over the floor, m
+constexpr double kWritten = 1e-6;
+// 300 samples, low ranks and 4 paths are made for speed.
+constexpr double kCoarse = 0.5;
+
+struct Outcome {
+  int code;
+  std::string text;
+};
+
+/// A folder with a small bake of the closed box, made once.
+class EvalProgram : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new test::TemporaryFolder;
+    write("box.yaml", "scene: " + kScene +
+                          "\noutput: box\nsamples: {count: 300, cluster_size: 100}\n"
+                          "rays: {directions: 64}\n"
+                          "lb: {visibility_rank: 8, light_rank: 4, example_lights: 30}\n"
+                          "evaluate: {lights: 1, points: 50, spp: 4}\n");
+    const Outcome bake = run("prt_bake", {file("box.yaml"), "--threads", "1", "-q"});
+    ASSERT_EQ(bake.code, 0) << bake.text;
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static std::string file(const std::string& name) { return (folder_->path / name).string(); }
+  static std::string package() { return file("box/box.prt.glb"); }
+  static void write(const std::string& name, const std::string& text) {
+    std::ofstream(file(name)) << text;
+  }
+  static Outcome run(const std::string& program, std::vector<std::string> words) {
+    words.insert(words.begin(), kPrograms + program);
+    test::Program child(words, file("log.txt"));
+    const int code = child.wait();
+    return {code, child.output()};
+  }
+  static std::vector<std::string> lines(const std::string& name) {
+    std::vector<std::string> all;
+    std::ifstream in(file(name));
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+  }
+  static std::vector<double> numbers(const std::string& line) {
+    std::vector<double> all;
+    std::istringstream in(line);
+    for (std::string word; std::getline(in, word, ',');) all.push_back(std::stod(word));
+    return all;
+  }
+
+ private:
+  inline static test::TemporaryFolder* folder_ = nullptr;
+};
+
+const std::string kHeader =
+    "x,y,z,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b";
+
+TEST_F(EvalProgram, PlaysAndTracesTheSamePoints) {
+  write("floor.csv", "x,y,z,nx,ny,nz\n0,-1,0,0,1,0\n");
+  const Outcome played = run("prt_eval", {package(), "--points", file("floor.csv"), "--light",
+                                          kLight, "-o", file("played.csv")});
+  ASSERT_EQ(played.code, 0) << played.text;
+  const Outcome traced =
+      run("prt_eval", {"--reference", kScene, "--points", file("floor.csv"), "--light", kLight,
+                       "--spp", "64", "-o", file("traced.csv")});
+  ASSERT_EQ(traced.code, 0) << traced.text;
+  for (const char* name : {"played.csv", "traced.csv"}) {
+    const auto out = lines(name);
+    ASSERT_EQ(out.size(), 2U) << name;
+    EXPECT_EQ(out[0], kHeader) << name;
+    const auto v = numbers(out[1]);
+    ASSERT_EQ(v.size(), 12U) << name;
+    EXPECT_EQ(std::vector<double>(v.begin(), v.begin() + 6),
+              (std::vector<double>{0, -1, 0, 0, 1, 0}));
+    // The light is straight above: I / h². Played, it is a mean over some samples around.
+    const bool exact = std::string(name) == "traced.csv";
+    EXPECT_NEAR(v[6] * kHeight * kHeight, 1.0, exact ? kWritten : kCoarse) << name;
+    EXPECT_GT(v[9], 0.0) << name;
+  }
+  const double truth = numbers(lines("traced.csv")[1])[9];
+  EXPECT_NEAR(numbers(lines("played.csv")[1])[9] / truth, 1.0, kCoarse);
+}
+
+TEST_F(EvalProgram, SaysNanWhereNoSplatReaches) {
+  write("far.csv", "x,y,z,nx,ny,nz\n0,-1,0,0,1,0\n50,0,0,1,0,0\n");
+  const Outcome outcome = run("prt_eval", {package(), "--points", file("far.csv"), "--light",
+                                           kLight, "-o", file("far_out.csv")});
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_NE(outcome.text.find("1 of 2 points"), std::string::npos) << outcome.text;
+  EXPECT_EQ(lines("far_out.csv").at(2), "50,0,0,1,0,0,nan,nan,nan,nan,nan,nan");
+}
+
+TEST_F(EvalProgram, RefusesRubbishInOneLine) {
+  struct Rubbish {
+    std::string text, said;
+  };
+  for (const Rubbish& r : {Rubbish{"", "rubbish.csv"}, Rubbish{"x,y,z\n1,2,3\n", "rubbish.csv"},
+                           Rubbish{"x,y,z,nx,ny,nz\n0,-1,zero,0,1,0\n", "rubbish.csv:2"},
+                           Rubbish{"x,y,z,nx,ny,nz\n0,-1,0,0,1,0\n0,-1,0,0,1\n", "rubbish.csv:3"},
+                           Rubbish{"x,y,z,nx,ny,nz\n0,-1,inf,0,1,0\n", "rubbish.csv:2"},
+                           Rubbish{"x,y,z,nx,ny,nz\n0,-1,0,0,0,0\n", "rubbish.csv:2"},
+                           Rubbish{std::string("\x89PNG\r\n\0\0", 8), "rubbish.csv"}}) {
+    write("rubbish.csv", r.text);
+    for (const auto& input :
+         {std::vector<std::string>{package()}, std::vector<std::string>{"--reference", kScene}}) {
+      auto words = input;
+      words.insert(words.end(),
+                   {"--points", file("rubbish.csv"), "--light", kLight, "-o", file("never.csv")});
+      const Outcome outcome = run("prt_eval", words);
+      EXPECT_EQ(outcome.code, 2) << r.text;
+      EXPECT_NE(outcome.text.find(r.said), std::string::npos) << outcome.text;
+      const std::string own = outcome.text.substr(outcome.text.find("prt_eval: "));
+      EXPECT_EQ(std::count(own.begin(), own.end(), '\n'), 1) << outcome.text;
+      EXPECT_FALSE(fs::exists(file("never.csv")));
+    }
+  }
+}
+
+TEST_F(EvalProgram, WritesTheKeysThatScriptsRead) {
+  const Outcome outcome = run("prt_eval", {package(), "--lights", "2", "--seed", "5", "--spp", "4",
+                                           "--json", file("error.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  const auto json = nlohmann::json::parse(test::read_text(file("error.json")));
+  for (const char* part : {"direct", "indirect"}) {
+    for (const std::string& place : {std::string("/"), std::string("/surface/")}) {
+      for (const char* figure :
+           {"rel_rmse", "rel_rmse_light/median", "rel_rmse_light/p95", "standard_error"}) {
+        const nlohmann::json::json_pointer key("/" + (part + place) + figure);
+        ASSERT_TRUE(json.contains(key)) << key.to_string();
+        EXPECT_TRUE(json[key].is_number()) << key.to_string();
+        EXPECT_GE(json[key].get<double>(), 0.0) << key.to_string();
+      }
+    }
+  }
+  for (const char* key : {"visibility_error", "visibility_error_soft", "visibility_error_weighted",
+                          "package_bytes", "bake_seconds", "play_ms"}) {
+    ASSERT_TRUE(json.contains(key)) << key;
+    EXPECT_TRUE(json[key].is_number()) << key;
+  }
+  EXPECT_EQ(json["lights"], 2);
+  EXPECT_EQ(json["seed"], 5);
+  EXPECT_EQ(json["package_bytes"], fs::file_size(package()));
+}
+
+// Away from its report the package says nothing about its bake.
+TEST_F(EvalProgram, KnowsNoBakeTimeWithoutTheReport) {
+  fs::create_directory(file("moved"));
+  fs::copy_file(package(), file("moved/box.prt.glb"));
+  const Outcome outcome = run("prt_eval", {file("moved/box.prt.glb"), "--lights", "1", "--spp", "2",
+                                           "--json", file("moved.json")});
+  ASSERT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(
+      nlohmann::json::parse(test::read_text(file("moved.json"))).at("bake_seconds").is_null());
+}
+
+}  // namespace
+}  // namespace prt
