@@ -111,12 +111,11 @@ LoopEnd run_coordinator(Coordinator& coordinator, BakeHost& host, Link& link, Sl
   return CoordinatorLoop(coordinator, host, link, slots).run(settings);
 }
 
-void dismiss_all(Coordinator& coordinator, Link& link, ExitCode code) {
-  for (const Command& command : coordinator.handle(StopRequested{code})) {
-    const auto* dismiss = std::get_if<Dismiss>(&command);
-    if (dismiss != nullptr && dismiss->worker != kCoordinatorRank) {
-      link.send(dismiss->worker, encode_order(Dismissed{dismiss->code}));
-    }
+void dismiss_all(Link& link, ExitCode code) {
+  // Not only those that have joined: a bake with nothing left to do ends before others have said
+  // a word, and they would wait for ever.
+  for (WorkerId rank = kCoordinatorRank + 1; rank < link.size(); ++rank) {
+    link.send(rank, encode_order(Dismissed{code}));
   }
 }
 

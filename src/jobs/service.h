@@ -43,8 +43,9 @@ struct ServiceSettings {
 LoopEnd run_coordinator(Coordinator& coordinator, BakeHost& host, Link& link, Slots& slots,
                         const ServiceSettings& settings);
 
-/// Sends every worker home. Call once, after run_coordinator and whatever follows it.
-void dismiss_all(Coordinator& coordinator, Link& link, ExitCode code);
+/// Sends every other rank home, joined or not. Call once, after run_coordinator and whatever
+/// follows it.
+void dismiss_all(Link& link, ExitCode code);
 
 /// Any other rank: works until dismissed or stopped.
 ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings);

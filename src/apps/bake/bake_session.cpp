@@ -199,7 +199,7 @@ class Session {
       return LoopEnd{};
     });
     if (end.code == ExitCode::kDone) end = closing;
-    dismiss_all(coordinator, ranks_.link(), end.code);
+    dismiss_all(ranks_.link(), end.code);
     say(end, host);
     leave_soon(end.code);
     return end.code;
