@@ -16,6 +16,8 @@ constexpr std::size_t kTexelsPerTriangle = 4;
 constexpr float kMostTexelsAcross = 4096.0F;
 // Longer lists are no faster than the grid.
 constexpr std::size_t kLongestList = 48;
+// Samples within this many texels of a texel's middle make a list.
+constexpr float kLook = 1.5F;
 // Covers the rounding of a point's position and barycentric coordinates, relative to the triangle's
 // coordinates.
 constexpr float kSlack = 0x1p-18F;
@@ -53,11 +55,11 @@ std::uint16_t texels_along(float length, float texel) {
 }  // namespace
 
 SurfaceGrid::SurfaceGrid(const Scene& scene, const SampleSet& samples, const SampleGrid& grid,
-                         float reach, float texel)
-    : positions_(samples.positions) {
+                         float reach, float texel) {
   size_patches(scene, samples.size(), texel);
   begin_ = {0};
-  for (std::uint32_t t = 0; t < patches_.size(); ++t) list_samples(scene, grid, t, reach);
+  for (std::uint32_t t = 0; t < patches_.size(); ++t)
+    list_samples(scene, samples.positions, grid, t, reach, texel);
 }
 
 void SurfaceGrid::size_patches(const Scene& scene, std::size_t samples, float texel) {
@@ -76,8 +78,9 @@ void SurfaceGrid::size_patches(const Scene& scene, std::size_t samples, float te
   }
 }
 
-void SurfaceGrid::list_samples(const Scene& scene, const SampleGrid& grid, std::uint32_t triangle,
-                               float reach) {
+void SurfaceGrid::list_samples(const Scene& scene, const std::vector<Vec3f>& positions,
+                               const SampleGrid& grid, std::uint32_t triangle, float reach,
+                               float texel) {
   const Patch& patch = patches_[triangle];
   const auto [along_u, along_v] = edges(scene, triangle);
   const Vec3f step_u = along_u / patch.columns;
@@ -94,24 +97,24 @@ void SurfaceGrid::list_samples(const Scene& scene, const SampleGrid& grid, std::
         const float u = static_cast<float>(column) + 0.5F;
         const float v = static_cast<float>(row) + 0.5F;
         const Vec3f middle = origin + u * step_u + v * step_v;
-        // Texels wider than the reach would list too much, and take for ever to fill.
-        const std::uint32_t nearest =
-            half <= reach ? grid.nearest(middle, normal, reach + half) : kNone;
+        // Farther samples are rare, and left to the grid; so are texels wider than the reach.
+        const float look = std::min(reach, kLook * texel) + half;
+        const std::uint32_t nearest = half <= reach ? grid.nearest(middle, normal, look) : kNone;
         if (nearest != kNone) {
           // Nothing farther than this can be nearest anywhere in the texel.
           const float limit =
-              std::min((positions_[nearest] - middle).norm() + 2.0F * half, reach + half);
+              std::min((positions[nearest] - middle).norm() + 2.0F * half, reach + half);
           near.clear();
           grid.within(middle, normal, limit, near);
           if (near.size() <= kLongestList) {
             const Vec3f to_corner = 0.5F * (step_u + step_v);
             const Vec3f to_next = 0.5F * (step_u - step_v);
-            drop_beaten(positions_,
+            drop_beaten(positions,
                         {Vec3f(middle + to_corner), Vec3f(middle - to_corner),
                          Vec3f(middle + to_next), Vec3f(middle - to_next)},
                         slack, near);
             std::sort(near.begin(), near.end());  // ties go to the lowest
-            listed_.insert(listed_.end(), near.begin(), near.end());
+            for (const std::uint32_t s : near) listed_.push_back({positions[s], s});
           }
         }
         begin_.push_back(static_cast<std::uint32_t>(listed_.size()));
@@ -139,11 +142,11 @@ std::optional<std::uint32_t> SurfaceGrid::nearest(const SurfacePoint& point, flo
   float best = radius * radius;
   std::uint32_t found = kNone;
   for (std::uint32_t k = begin; k < end; ++k) {
-    const float d = (positions_[listed_[k]] - point.position).squaredNorm();
+    const float d = (listed_[k].position - point.position).squaredNorm();
     // As in the grid: a sample at just the radius counts.
     if (d < best || (found == kNone && d == best)) {
       best = d;
-      found = listed_[k];
+      found = listed_[k].sample;
     }
   }
   return found;

@@ -26,6 +26,15 @@ class SurfaceGrid {
   /// kNone; nothing where the table does not know: then ask the grid.
   [[nodiscard]] std::optional<std::uint32_t> nearest(const SurfacePoint& point, float radius) const;
 
+  /// Fetches what nearest() will read for a point into the caches: the place of its list some
+  /// points ahead, then the list. The table is larger than they are, and points jump about in it.
+  void fetch_place(const SurfacePoint& point) const {
+    __builtin_prefetch(begin_.data() + texel_of(point));
+  }
+  void fetch_list(const SurfacePoint& point) const {
+    __builtin_prefetch(listed_.data() + begin_[texel_of(point)]);
+  }
+
  private:
   struct Patch {
     std::uint32_t first = 0;  ///< texel of the front side at barycentric (0, 0)
@@ -34,13 +43,16 @@ class SurfaceGrid {
   };
   [[nodiscard]] std::size_t texel_of(const SurfacePoint& point) const;
   void size_patches(const Scene& scene, std::size_t samples, float texel);
-  void list_samples(const Scene& scene, const SampleGrid& grid, std::uint32_t triangle,
-                    float reach);
+  void list_samples(const Scene& scene, const std::vector<Vec3f>& positions, const SampleGrid& grid,
+                    std::uint32_t triangle, float reach, float texel);
 
-  std::vector<Vec3f> positions_;      // of the samples
   std::vector<Patch> patches_;        // per triangle: front texels, then as many of the back
   std::vector<std::uint32_t> begin_;  // texels + 1; an empty list: ask the grid
-  std::vector<std::uint32_t> listed_;
+  struct Entry {
+    Vec3f position;
+    std::uint32_t sample;
+  };
+  std::vector<Entry> listed_;  // positions beside the numbers: one cache miss less per answer
 };
 
 }  // namespace prt

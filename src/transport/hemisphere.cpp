@@ -35,6 +35,9 @@ HemisphereRays cast_hemispheres(const Scene& scene, const RayCaster& caster,
   const std::vector<int> order = tiled_order(directions);
   std::vector<Ray> rays(count);
   std::vector<Hit> hits(count);
+  std::vector<SurfacePoint> points(count);
+  std::vector<int> met(count);  // direction of each point
+  std::vector<std::uint32_t> found(count);
   double area = 0.0;
   for (std::uint32_t s = begin; s < end; ++s) {
     const Mat3f frame = samples.frame(s);
@@ -48,6 +51,7 @@ HemisphereRays cast_hemispheres(const Scene& scene, const RayCaster& caster,
     double lost = 0.0;
     std::uint16_t* distance = out.distances.data() + (s - begin) * count;
     std::uint32_t* sender = out.senders.data() + (s - begin) * count;
+    std::size_t met_count = 0;
     for (std::size_t k = 0; k < count; ++k) {
       const int d = order[k];
       distance[d] = pack_depth(hits[k].t, bound, hits[k].escaped());
@@ -56,11 +60,14 @@ HemisphereRays cast_hemispheres(const Scene& scene, const RayCaster& caster,
         escaped += directions.weights()[d];
         continue;
       }
-      const SurfacePoint point = surface_at(scene, rays[k], hits[k]);
-      out.back_hits += point.front ? 0 : 1;
-      const std::uint32_t found = search.find(point);
-      sender[d] = found == kNone ? kLostSender : found;
-      if (found == kNone) lost += directions.weights()[d];
+      points[met_count] = surface_at(scene, rays[k], hits[k]);
+      out.back_hits += points[met_count].front ? 0 : 1;
+      met[met_count++] = d;
+    }
+    search.find({points.data(), met_count}, {found.data(), met_count});
+    for (std::size_t k = 0; k < met_count; ++k) {
+      sender[met[k]] = found[k] == kNone ? kLostSender : found[k];
+      if (found[k] == kNone) lost += directions.weights()[met[k]];
     }
     out.escaped_share += escaped * samples.areas[s];
     out.lost_share += lost * samples.areas[s];

@@ -1,6 +1,7 @@
 #include "transport/sender_search.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace prt {
 
@@ -13,6 +14,8 @@ constexpr float kReach = 1.25F;
 constexpr float kCell = 3.25F;
 // Beyond this many radii there is no telling which sample would stand for a point.
 constexpr float kFar = 4.0F;
+// Points between fetching and reading: enough to cover a cache miss.
+constexpr std::size_t kAhead = 16;
 
 float largest(const std::vector<float>& radii) {
   return radii.empty() ? 1.0F : *std::max_element(radii.begin(), radii.end());
@@ -40,6 +43,17 @@ std::uint32_t SenderSearch::find(const SurfacePoint& point) const {
   const bool same = scene_->triangles[samples_->triangles[sample]].surface ==
                     scene_->triangles[point.triangle].surface;
   return same ? sample : kNone;
+}
+
+void SenderSearch::find(std::span<const SurfacePoint> points,
+                        std::span<std::uint32_t> found) const {
+  assert(points.size() == found.size());
+  const std::size_t n = points.size();
+  for (std::size_t i = 0; i < n + 2 * kAhead; ++i) {
+    if (i < n) surfaces_.fetch_place(points[i]);
+    if (i >= kAhead && i - kAhead < n) surfaces_.fetch_list(points[i - kAhead]);
+    if (i >= 2 * kAhead) found[i - 2 * kAhead] = find(points[i - 2 * kAhead]);
+  }
 }
 
 std::uint32_t SenderSearch::find_near(const SurfacePoint& point) const {

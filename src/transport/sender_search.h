@@ -1,6 +1,8 @@
 // Which sample stands for a surface point: one rule for gather, photons and cell areas.
 #pragma once
 
+#include <span>
+
 #include "domains/samples.h"
 #include "domains/surface_grid.h"
 #include "scene/scene.h"
@@ -16,6 +18,9 @@ class SenderSearch {
   /// The nearest sample with a compatible normal; where none is near, the nearest one on the same
   /// glTF surface within 90°; else kNone: the light that goes there is lost and counted.
   [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const;
+
+  /// find() for each of many points: the waiting for memory overlaps.
+  void find(std::span<const SurfacePoint> points, std::span<std::uint32_t> found) const;
 
   /// The nearest compatible sample within its own Poisson-disk reach of the point, or kNone: the
   /// strict rule by which cells are measured.
