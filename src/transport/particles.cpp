@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "transport/area_points.h"
 
 namespace prt {
 
@@ -109,6 +110,20 @@ double view_score(const Scene& scene, const RayCaster& caster, const Vec3f& p,
   return score;
 }
 
+/// The best place so far among those that see anything.
+struct Best {
+  Vec3f place = Vec3f::Zero();
+  double score = 0.0;
+  bool sees = false;
+  void offer(const Vec3f& p, double s) {
+    if (s == 0.0 || (sees && s <= score)) return;
+    *this = {p, s, true};
+  }
+};
+
+/// Where nothing is ahead of a surface: so far in front of it, as a share of the scene.
+constexpr float kOpenShare = 0.01F;
+
 }  // namespace
 
 Vec3f find_start(const Scene& scene, const RayCaster& caster, std::uint64_t stream) {
@@ -120,8 +135,7 @@ Vec3f find_start(const Scene& scene, const RayCaster& caster, std::uint64_t stre
     const float u = (static_cast<float>(i) + direction_random.uniform()) / kDirections;
     directions.push_back(sphere_direction(u, direction_random.uniform()));
   }
-  double best_score = 0.0;
-  Vec3f best = Vec3f::Zero();
+  Best best;
   for (int k = 0; k < kPlaces; ++k) {
     Random random(stream, k);
     const float x = random.uniform();
@@ -129,18 +143,29 @@ Vec3f find_start(const Scene& scene, const RayCaster& caster, std::uint64_t stre
     const float z = random.uniform();
     const Vec3f p =
         scene.bounds_min + (scene.bounds_max - scene.bounds_min).cwiseProduct(Vec3f(x, y, z));
-    const double score = view_score(scene, caster, p, directions);
-    if (score > best_score) {
-      best_score = score;
-      best = p;
-    }
+    best.offer(p, view_score(scene, caster, p, directions));
   }
-  if (best_score <= 0.0) {
+  if (best.score > 0.0) return best.place;
+  // A box mostly empty, for a speck far away, or faces turned inside out: look in front of
+  // surfaces, and take the best there is.
+  const std::vector<double> cumulative = cumulative_areas(scene);
+  for (int k = 0; k < kPlaces; ++k) {
+    Random random(stream, kPlaces + 1 + k);
+    const AreaPoint at = area_point(cumulative, k, kPlaces, random);
+    const Vec3f normal = triangle_normal(scene, at.triangle);
+    const Vec3f origin =
+        offset_origin(scene, triangle_point(scene, at.triangle, at.u, at.v), normal);
+    const Hit hit = caster.intersect({origin, normal});
+    const float ahead = hit.escaped() ? kOpenShare * scene.diagonal() : 0.5F * hit.t;
+    const Vec3f p = origin + ahead * normal;
+    best.offer(p, view_score(scene, caster, p, directions));
+  }
+  if (!best.sees) {
     throw UserError(
-        "samples.start: no point of the scene's bounding box sees a front face; give a start point "
-        "[x, y, z] in the open");
+        "samples.start: no point that was tried sees a surface; give a start point [x, y, z] in "
+        "the open");
   }
-  return best;
+  return best.place;
 }
 
 }  // namespace prt

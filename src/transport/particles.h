@@ -34,9 +34,10 @@ struct ParticleSettings {
 SurfacePoints trace_particles(const Scene& scene, const RayCaster& caster,
                               const ParticleSettings& settings);
 
-/// A start point for particles: among random points of the bounding box the one that sees most
-/// front faces, fewest back faces and far: inside rooms, outside solids. Throws UserError if
-/// nothing is seen from anywhere.
+/// A start point for particles: among random points of the bounding box, and of places in front of
+/// surfaces where those see no front faces to speak of, the one that sees most front faces, fewest
+/// back faces and far: inside rooms, outside solids. Throws UserError if nothing is seen from
+/// anywhere.
 Vec3f find_start(const Scene& scene, const RayCaster& caster, std::uint64_t stream);
 
 }  // namespace prt

@@ -56,7 +56,7 @@ std::size_t wanted_samples(const PlanInputs& inputs) {
 }
 
 TaskSpec start_task(const PlanInputs& inputs) {
-  TaskSpec spec = task("start", "start", 2);
+  TaskSpec spec = task("start", "start", 3);
   spec.scene_parts = kGeometry;
   spec.cost = 0.2;
   const auto& options = inputs.options();

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "base/error.h"
 #include "scene/embree/embree_ray_caster.h"
 #include "statistical/test_scenes.h"
 #include "transport/particles.h"
@@ -50,11 +49,23 @@ TEST(FindStart, IsInTheRoomAndNotInTheGapsBehindIt) {
   for (const Vec3f& start : starts_of(scene)) EXPECT_TRUE(inside(start, Vec3f::Zero(), room));
 }
 
-TEST(FindStart, SaysWhereOnlyBackSidesAreSeen) {
+// All of the bounding box is inside.
+TEST(FindStart, IsOutsideASolidThatStandsAlone) {
   Scene scene;
-  test::add_box(scene, Vec3f::Ones(), Vec3f::Zero(),
-                test::add_material(scene, Vec3f::Constant(0.5F)));
-  EXPECT_THROW((void)starts_of(scene), UserError);
+  const Vec3f low = Vec3f::Zero(), high = Vec3f::Ones();
+  test::add_box(scene, high, low, test::add_material(scene, Vec3f::Constant(0.5F)));
+  for (const Vec3f& start : starts_of(scene)) EXPECT_FALSE(inside(start, low, high));
+}
+
+// Of the bounding box a hundred-millionth is room; the rest sees next to nothing.
+TEST(FindStart, IsInTheRoomAndNotByTheSpeckFarAway) {
+  Scene scene;
+  const auto material = test::add_material(scene, Vec3f::Constant(0.5F));
+  const Vec3f room = Vec3f::Constant(4.0F);
+  test::add_box(scene, Vec3f::Zero(), room, material);
+  const Vec3f speck = Vec3f::Constant(1000.0F);
+  test::add_box(scene, speck + Vec3f::Constant(0.01F), speck, material);
+  for (const Vec3f& start : starts_of(scene)) EXPECT_TRUE(inside(start, Vec3f::Zero(), room));
 }
 
 TEST(FindStart, DependsOnItsStreamAlone) {
