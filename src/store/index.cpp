@@ -70,7 +70,8 @@ std::set<Digest> read_index(FileSystem& fs, const FileSystem::Path& bake_dir) {
   std::vector<std::string> paths;  // "/KEY"
   {
     const hdf5::Session session;
-    const hdf5::BorrowedFile file(std::span<const std::byte>(bytes).first(bytes.size() - kSealBytes));
+    const hdf5::BorrowedFile file(
+        std::span<const std::byte>(bytes).first(bytes.size() - kSealBytes));
     hdf5::check(H5Lvisit(file.id(), H5_INDEX_NAME, H5_ITER_INC, collect_key, &paths),
                 "reading the index");
   }

@@ -1,4 +1,5 @@
-// Runs a method's tasks in this process, in order, with artifacts in memory: what tests of physics need.
+// Runs a method's tasks in this process, in order, with artifacts in memory: what tests of physics
+// need.
 #pragma once
 
 #include <chrono>

@@ -13,7 +13,9 @@ namespace prt {
 /// Samples with their neighbour search.
 struct SharedSamples {
   SharedSamples(const Scene& scene, SampleSet set)
-      : samples(std::move(set)), search(scene, samples), cluster_of_sample(samples.cluster_of_sample()) {}
+      : samples(std::move(set)),
+        search(scene, samples),
+        cluster_of_sample(samples.cluster_of_sample()) {}
   SampleSet samples;
   SenderSearch search;
   std::vector<std::uint32_t> cluster_of_sample;
