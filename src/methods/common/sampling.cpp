@@ -76,7 +76,7 @@ std::vector<TaskSpec> candidate_tasks(const PlanInputs& inputs) {
   const std::size_t tasks = (wanted + kCandidatesPerTask - 1) / kCandidatesPerTask;
   std::vector<TaskSpec> result;
   for (std::size_t i = 0; i < tasks; ++i) {
-    TaskSpec spec = task(numbered("candidates", i), "candidates", 2);
+    TaskSpec spec = task(numbered("candidates", i), "candidates", 3);
     spec.inputs = {"start"};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},
