@@ -1,6 +1,7 @@
 // Linear operators between spaces of a clustered scene, as packages hold them.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,5 +32,23 @@ struct ClusterTransfer {
   std::uint32_t channels = 3;  ///< 3, or 1 for a grey scene: then every light channel uses it
   std::vector<ReceiverTransfer> receivers;
 };
+
+/// One bounce between samples that fill much of each other's hemisphere, entry by entry: receiver r
+/// gets Σ_k share_k · albedo_channel(sender_k) · irradiance_channel(sender_k), k in [begin[r],
+/// begin[r+1]). Light that a near wall sends back changes within a few samples, which no basis of a
+/// few functions per cluster can follow.
+struct NearTransfer {
+  std::uint32_t channels = 3;          ///< 3, or 1 for a grey scene
+  std::vector<std::uint32_t> begin;    ///< n + 1
+  std::vector<std::uint32_t> senders;  ///< samples
+  std::vector<std::uint16_t> shares;   ///< of the hemisphere, cosine-weighted; 65535 is all of it
+  std::vector<std::uint16_t> albedo;   ///< n × channels; 65535 is 1
+};
+
+/// [0, 1] as 16-bit integers, the way NearTransfer keeps shares and albedo.
+inline constexpr float kUnitShare = 65535.0F;
+inline std::uint16_t pack_share(float share) {
+  return static_cast<std::uint16_t>(std::clamp(share, 0.0F, 1.0F) * kUnitShare + 0.5F);
+}
 
 }  // namespace prt

@@ -14,6 +14,7 @@ inline constexpr const char* kSampleIrradiance = "sample_irradiance";
 inline constexpr const char* kClusterCoefficients = "cluster_coefficients";
 inline constexpr const char* kClusterProjection = "cluster_projection";
 inline constexpr const char* kClusterTransfer = "cluster_transfer";
+inline constexpr const char* kNearTransfer = "near_transfer";
 
 /// Unit vectors are stored as normalised SHORT.
 inline constexpr float kUnitScale = 32767.0F;

@@ -57,6 +57,7 @@ template <typename T>
 constexpr gltf::ComponentType component_type() {
   if constexpr (std::is_same_v<T, std::int8_t>) return gltf::ComponentType::kByte;
   if constexpr (std::is_same_v<T, std::int16_t>) return gltf::ComponentType::kShort;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return gltf::ComponentType::kUnsignedShort;
   if constexpr (std::is_same_v<T, std::uint32_t>) return gltf::ComponentType::kUnsignedInt;
   if constexpr (std::is_same_v<T, float>) return gltf::ComponentType::kFloat;
 }
@@ -88,6 +89,7 @@ std::vector<T> read_array(const gltf::Document& document, const gltf::Value& acc
 
 template std::vector<std::int8_t> read_array(const gltf::Document&, const gltf::Value&, unsigned);
 template std::vector<std::int16_t> read_array(const gltf::Document&, const gltf::Value&, unsigned);
+template std::vector<std::uint16_t> read_array(const gltf::Document&, const gltf::Value&, unsigned);
 template std::vector<std::uint32_t> read_array(const gltf::Document&, const gltf::Value&, unsigned);
 template std::vector<float> read_array(const gltf::Document&, const gltf::Value&, unsigned);
 

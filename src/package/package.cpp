@@ -126,8 +126,8 @@ void check_visibility(const DepthVisibility& v, const SampleSet& samples, const 
 /// First coefficient of each cluster; empty for a space of samples.
 using Layout = std::vector<std::uint32_t>;
 
-void check_projection(const ClusterProjection& projection, const SampleSet& samples,
-                      const std::string& name, const Judge& judge) {
+void check_operator(const ClusterProjection& projection, const SampleSet& samples,
+                    const std::string& name, const Judge& judge) {
   judge.require(projection.blocks.size() == samples.clusters(),
                 "operator " + name + " needs one block per cluster");
   for (std::size_t c = 0; c < projection.blocks.size(); ++c) {
@@ -140,7 +140,7 @@ void check_projection(const ClusterProjection& projection, const SampleSet& samp
   }
 }
 
-void check_transfer(const ClusterTransfer& transfer, const SampleSet& samples,
+void check_operator(const ClusterTransfer& transfer, const SampleSet& samples,
                     const std::string& name, const Judge& judge) {
   judge.require(transfer.channels == 1 || transfer.channels == 3,
                 "operator " + name + " must have 1 or 3 channels");
@@ -159,6 +159,22 @@ void check_transfer(const ClusterTransfer& transfer, const SampleSet& samples,
         t.left.cols == t.right.rows && (t.left.cols == 0 || t.left.rows == samples.cluster_size(r)),
         what + " has factors that do not fit together");
   }
+}
+
+void check_operator(const NearTransfer& near, const SampleSet& samples, const std::string& name,
+                    const Judge& judge) {
+  const std::string what = "operator " + name;
+  const std::size_t n = samples.size();
+  judge.require(near.channels == 1 || near.channels == 3, what + " must have 1 or 3 channels");
+  judge.require(near.albedo.size() == n * near.channels, what + " needs an albedo per sample");
+  judge.require(near.begin.size() == n + 1 && near.begin.front() == 0 &&
+                    near.begin.back() == near.senders.size() &&
+                    std::is_sorted(near.begin.begin(), near.begin.end()),
+                what + " does not divide its entries among the samples");
+  judge.require(near.shares.size() == near.senders.size(), what + " needs a share per sender");
+  judge.require(
+      std::all_of(near.senders.begin(), near.senders.end(), [&](std::uint32_t s) { return s < n; }),
+      what + " names a sample that is not there");
 }
 
 /// Whether a transfer takes coefficients laid out like this.
@@ -202,7 +218,10 @@ class ProgramCheck {
     judge_.require(op != package_.operators.end(),
                    "the program applies an unknown operator " + step.op);
     const Layout input = read(step.input);
-    if (const auto* projection = std::get_if<ClusterProjection>(&op->second)) {
+    if (std::holds_alternative<NearTransfer>(op->second)) {
+      judge_.require(input.empty(), "operator " + step.op + " takes irradiance at samples");
+      write(step.output, Space::Kind::kSampleIrradiance, package_.samples.size(), {});
+    } else if (const auto* projection = std::get_if<ClusterProjection>(&op->second)) {
       judge_.require(input.empty(), "operator " + step.op + " takes irradiance at samples");
       const Layout layout = projection->coefficient_begin();
       write(step.output, Space::Kind::kClusterCoefficients, layout.back(), layout);
@@ -256,11 +275,7 @@ void validate(const Package& package, const std::string& file_name) {
   check_samples(package, judge);
   if (package.visibility) check_visibility(*package.visibility, package.samples, judge);
   for (const auto& [name, op] : package.operators) {
-    if (const auto* projection = std::get_if<ClusterProjection>(&op)) {
-      check_projection(*projection, package.samples, name, judge);
-    } else {
-      check_transfer(std::get<ClusterTransfer>(op), package.samples, name, judge);
-    }
+    std::visit([&, &n = name](const auto& o) { check_operator(o, package.samples, n, judge); }, op);
   }
   ProgramCheck(package, judge).run();
 }

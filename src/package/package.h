@@ -43,7 +43,7 @@ struct Space {
   std::uint32_t dimension = 0;  ///< per colour channel
 };
 
-using PackageOperator = std::variant<ClusterProjection, ClusterTransfer>;
+using PackageOperator = std::variant<ClusterProjection, ClusterTransfer, NearTransfer>;
 
 /// Steps name spaces and operators; each writes `output`. Type rules are checked by validate().
 struct DirectLightStep {  ///< lights → irradiance at samples, shadowed by `visibility`

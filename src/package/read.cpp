@@ -108,12 +108,26 @@ ClusterTransfer read_transfer(const Document& document, const Value& json) {
   return transfer;
 }
 
+NearTransfer read_near(const Document& document, const Value& json) {
+  NearTransfer near;
+  near.channels = json["channels"].index(4, "channels");
+  if (near.channels != 1 && near.channels != 3) json["channels"].fail("must be 1 or 3");
+  near.begin = read_array<std::uint32_t>(document, json["begin"]);
+  near.albedo = read_array<std::uint16_t>(document, json["albedo"], near.channels);
+  if (const auto senders = json.find("senders")) {
+    near.senders = read_array<std::uint32_t>(document, *senders);
+    near.shares = read_array<std::uint16_t>(document, json["shares"]);
+  }
+  return near;
+}
+
 PackageOperator read_operator(const Document& document, const Value& json) {
   const std::string type = json["type"].text();
   if (type == kClusterProjection) {
     return ClusterProjection{read_matrices(document, json["blocks"])};
   }
   if (type == kClusterTransfer) return read_transfer(document, json);
+  if (type == kNearTransfer) return read_near(document, json);
   json["type"].fail(fmt::format("'{}' is not a known operator; use a newer prt_play", type));
 }
 

@@ -84,6 +84,22 @@ json write_operator(const ClusterTransfer& transfer, GltfWriter& writer) {
   return entry;
 }
 
+json write_operator(const NearTransfer& near, GltfWriter& writer) {
+  const auto add = [&](const std::vector<std::uint16_t>& values, unsigned components) {
+    return writer.add(std::span<const std::uint16_t>(values), components, GltfWriter::Use::kData,
+                      true);
+  };
+  json entry = {{"type", kNearTransfer},
+                {"begin", writer.add(std::span<const std::uint32_t>(near.begin))},
+                {"albedo", add(near.albedo, near.channels)}};
+  if (!near.senders.empty()) {
+    entry["senders"] = writer.add(std::span<const std::uint32_t>(near.senders));
+    entry["shares"] = add(near.shares, 1);
+  }
+  entry["channels"] = near.channels;
+  return entry;
+}
+
 json write_step(const DirectLightStep& step) {
   const bool depth = step.shadow == DirectLightStep::Shadow::kDepth;
   return {{"step", "direct_light"}, {"output", step.output}, {"shadow", depth ? "depth" : "none"}};

@@ -7,6 +7,7 @@ namespace {
 
 /// A cluster is one piece of parallel work: no sum crosses clusters, so threads change no result.
 constexpr std::size_t kClusterGrain = 1;
+constexpr std::size_t kReceiverGrain = 2048;
 
 }  // namespace
 
@@ -69,9 +70,33 @@ MatrixF DecodedTransfer::apply(const MatrixF& coefficients,
   return irradiance;
 }
 
+MatrixF DecodedNear::apply(const MatrixF& irradiance, unsigned threads) const {
+  constexpr float kUnit = 1.0F / kUnitShare;
+  const auto n = static_cast<std::size_t>(irradiance.rows());
+  MatrixF exitant(irradiance.rows(), 3);  // times π
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t channel = near_->channels == 1 ? 0 : c;
+      const float albedo = kUnit * static_cast<float>(near_->albedo[i * near_->channels + channel]);
+      exitant(i, c) = albedo * irradiance(i, c);
+    }
+  }
+  MatrixF received = MatrixF::Zero(irradiance.rows(), 3);
+  parallel_for(n, kReceiverGrain, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r) {
+      for (std::uint32_t k = near_->begin[r]; k < near_->begin[r + 1]; ++k) {
+        received.row(r) +=
+            kUnit * static_cast<float>(near_->shares[k]) * exitant.row(near_->senders[k]);
+      }
+    }
+  });
+  return received;
+}
+
 DecodedOperator decode(const ClusterProjection& projection) {
   return DecodedProjection(projection);
 }
 DecodedOperator decode(const ClusterTransfer& transfer) { return DecodedTransfer(transfer); }
+DecodedOperator decode(const NearTransfer& near) { return DecodedNear(near); }
 
 }  // namespace prt

@@ -44,8 +44,20 @@ class DecodedTransfer {
   std::vector<Receiver> receivers_;
 };
 
-using DecodedOperator = std::variant<DecodedProjection, DecodedTransfer>;
+/// Irradiance at samples (n × 3) to irradiance at samples.
+class DecodedNear {
+ public:
+  explicit DecodedNear(const NearTransfer& near) : near_(&near) {}
+  [[nodiscard]] MatrixF apply(const MatrixF& irradiance, unsigned threads) const;
+
+ private:
+  const NearTransfer* near_;
+};
+
+using DecodedOperator = std::variant<DecodedProjection, DecodedTransfer, DecodedNear>;
 DecodedOperator decode(const ClusterProjection& projection);
 DecodedOperator decode(const ClusterTransfer& transfer);
+/// Keeps a reference to `near`.
+DecodedOperator decode(const NearTransfer& near);
 
 }  // namespace prt

@@ -94,6 +94,7 @@ Value Evaluator::Tables::apply(const DecodedOperator& op, const Value& input) co
   if (const auto* projection = std::get_if<DecodedProjection>(&op)) {
     return {{}, projection->apply(in, samples, threads), projection->layout()};
   }
+  if (const auto* near = std::get_if<DecodedNear>(&op)) return {{}, near->apply(in, threads), {}};
   return {{}, std::get<DecodedTransfer>(op).apply(in, input.layout, samples, threads), {}};
 }
 

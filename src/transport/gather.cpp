@@ -50,10 +50,28 @@ class HitWeights {
 
 }  // namespace
 
+GatherEntries gather_entries(std::span<const std::uint32_t> senders, std::span<const float> weights,
+                             std::size_t samples, float least) {
+  GatherEntries entries;
+  entries.begin = {0};
+  HitWeights hits(static_cast<Eigen::Index>(samples));
+  for (std::size_t first = 0; first < senders.size(); first += weights.size()) {
+    hits.collect(senders.subspan(first, weights.size()), weights);
+    for (const std::uint32_t j : hits.hit()) {
+      if (!(hits[j] > least)) continue;
+      entries.senders.push_back(j);
+      entries.shares.push_back(hits[j]);
+    }
+    entries.begin.push_back(static_cast<std::uint32_t>(entries.senders.size()));
+  }
+  return entries;
+}
+
 std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const float> weights, const MatrixF& albedo,
                                       const ClusterFunctions& functions,
-                                      std::span<const std::uint32_t> cluster_of_sample) {
+                                      std::span<const std::uint32_t> cluster_of_sample,
+                                      float most) {
   const std::size_t directions = weights.size();
   const auto receivers = static_cast<Eigen::Index>(senders.size() / directions);
   const MatrixF values = pad_columns(functions.values);
@@ -68,6 +86,7 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
     hits.collect(senders.subspan(r * directions, directions), weights);
     sums.setZero();
     for (const std::uint32_t j : hits.hit()) {
+      if (hits[j] > most) continue;
       const float* row = values.data() + j * width;
       float* out = sums.data() + cluster_of_sample[j] * channels * width;
       for (Eigen::Index c = 0; c < channels; ++c) {
@@ -84,24 +103,22 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
   return result;
 }
 
-std::vector<MatrixF> gather_fields(std::span<const std::uint32_t> senders,
-                                   std::span<const float> weights, const MatrixF& albedo,
+std::vector<MatrixF> gather_fields(const GatherEntries& entries, const MatrixF& albedo,
                                    const std::vector<MatrixF>& fields) {
-  const auto receivers = static_cast<Eigen::Index>(senders.size() / weights.size());
+  const auto receivers = static_cast<Eigen::Index>(entries.begin.size()) - 1;
   const auto channels = static_cast<Eigen::Index>(fields.size());
   const Eigen::Index width = padded(fields[0].cols());
-  // Channels side by side: one look-up per hit. Albedo goes in beforehand.
+  // Channels side by side: one look-up per entry. Albedo goes in beforehand.
   MatrixF exitant = MatrixF::Zero(fields[0].rows(), channels * width);
   for (Eigen::Index c = 0; c < channels; ++c) {
     exitant.middleCols(c * width, fields[c].cols()) =
         albedo.col(std::min(c, albedo.cols() - 1)).asDiagonal() * fields[c];
   }
   MatrixF sums = MatrixF::Zero(receivers, exitant.cols());
-  HitWeights hits(exitant.rows());
   for (Eigen::Index r = 0; r < receivers; ++r) {
-    hits.collect(senders.subspan(r * weights.size(), weights.size()), weights);
-    for (const std::uint32_t j : hits.hit()) {
-      add_scaled(sums.data() + r * exitant.cols(), exitant.data() + j * exitant.cols(), hits[j],
+    for (std::uint32_t k = entries.begin[r]; k < entries.begin[r + 1]; ++k) {
+      add_scaled(sums.data() + r * exitant.cols(),
+                 exitant.data() + entries.senders[k] * exitant.cols(), entries.shares[k],
                  exitant.cols());
     }
   }

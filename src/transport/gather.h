@@ -23,17 +23,32 @@ struct ClusterFunctions {
   }
 };
 
+/// Entries of the one-bounce operator G for some receivers: receiver r's are [begin[r],
+/// begin[r+1]).
+struct GatherEntries {
+  std::vector<std::uint32_t> begin;    ///< receivers + 1
+  std::vector<std::uint32_t> senders;  ///< samples, each once per receiver
+  std::vector<float> shares;           ///< of the receiver's hemisphere, cosine-weighted
+};
+
+/// The entries of G above `least`. `senders`, `weights` as for gather_functions; `samples`: how
+/// many there are in all.
+GatherEntries gather_entries(std::span<const std::uint32_t> senders, std::span<const float> weights,
+                             std::size_t samples, float least = 0.0F);
+
 /// T applied to all functions, for receiver samples [begin, end): one matrix per channel,
 /// (end - begin) × functions.count(). `senders`: their hits, (end - begin) × weights.size(), as
 /// HemisphereRays has them; `weights` the directions' cosine weights; `albedo` samples × channels.
+/// Entries of G above `most` are left out.
 std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const float> weights, const MatrixF& albedo,
                                       const ClusterFunctions& functions,
-                                      std::span<const std::uint32_t> cluster_of_sample);
+                                      std::span<const std::uint32_t> cluster_of_sample,
+                                      float most = kInfinity);
 
-/// T applied to global fields: fields[c] is samples × m for channel c; result (receivers) × m each.
-std::vector<MatrixF> gather_fields(std::span<const std::uint32_t> senders,
-                                   std::span<const float> weights, const MatrixF& albedo,
+/// T, as far as the entries go, applied to global fields: fields[c] is samples × m for channel c;
+/// result receivers × m each.
+std::vector<MatrixF> gather_fields(const GatherEntries& entries, const MatrixF& albedo,
                                    const std::vector<MatrixF>& fields);
 
 }  // namespace prt

@@ -100,6 +100,22 @@ struct Setting {
   MatrixF projected;     ///< samples × lights: direct light as the functions hold it
 };
 
+/// What near senders add to one receiver cluster's irradiance.
+void add_near(const Setting& s, const Artifact& transfer, std::uint32_t cluster, MatrixF& all) {
+  GatherEntries near{transfer.vector<std::uint32_t>("near_begin"),
+                     transfer.vector<std::uint32_t>("near_senders"),
+                     {}};
+  for (const auto share : transfer.values<std::uint16_t>("near_shares")) {
+    near.shares.push_back(static_cast<float>(share) / kUnitShare);
+  }
+  const auto received = gather_fields(near, s.bake->result(kAlbedoTask)->matrix("albedo"),
+                                      std::vector<MatrixF>(kChannels, s.projected));
+  for (Eigen::Index c = 0; c < kChannels; ++c) {
+    all.block(s.samples.cluster_begin[cluster], c * kLights, received[c].rows(), kLights) +=
+        received[c];
+  }
+}
+
 /// Irradiance that the finished transfer gives, samples × (channels · lights).
 MatrixF gathered(const Setting& s) {
   MatrixF all(static_cast<Eigen::Index>(s.samples.size()), kChannels * kLights);
@@ -123,6 +139,7 @@ MatrixF gathered(const Setting& s) {
       all.block(s.samples.cluster_begin[cluster], c * kLights, left.rows(), kLights) =
           left * (right.middleCols(c * width, width) * kept);
     }
+    add_near(s, *part, cluster, all);
   }
   return all;
 }
@@ -183,8 +200,9 @@ MatrixD gathered_anywhere(const Setting& s, const SenderSearch& search, const Ma
   for (Eigen::Index c = 0; c < kChannels; ++c) {
     light.emplace_back(s.projected + indirect.middleCols(c * kLights, kLights));
   }
-  const std::vector<MatrixF> received = gather_fields(
-      rays.senders, directions.weights(), s.bake->result(kAlbedoTask)->matrix("albedo"), light);
+  const std::vector<MatrixF> received =
+      gather_fields(gather_entries(rays.senders, directions.weights(), s.samples.size()),
+                    s.bake->result(kAlbedoTask)->matrix("albedo"), light);
   const auto cluster = s.samples.cluster_of_sample();
   MatrixD means = MatrixD::Zero(s.samples.clusters(), indirect.cols());
   VectorD counts = VectorD::Zero(s.samples.clusters());

@@ -65,6 +65,30 @@ ClusterTransfer transfer_of(const Result& result, const std::string& stage, std:
   return transfer;
 }
 
+/// Near transfer of all receiver clusters; without entries where none was made.
+NearTransfer near_of(const Result& result, const std::string& stage, const SampleSet& samples) {
+  NearTransfer near;
+  near.begin = {0};
+  for (std::size_t c = 0; c < samples.clusters(); ++c) {
+    const auto part = result(numbered(stage, c));
+    if (!part->has("near_begin")) return near;
+    near.channels = part->attribute<std::uint32_t>("channels");
+    const auto begin = part->values<std::uint32_t>("near_begin");
+    const auto senders = part->values<std::uint32_t>("near_senders");
+    const auto shares = part->values<std::uint16_t>("near_shares");
+    const auto before = static_cast<std::uint32_t>(near.senders.size());
+    for (std::size_t r = 1; r < begin.size(); ++r) near.begin.push_back(before + begin[r]);
+    near.senders.insert(near.senders.end(), senders.begin(), senders.end());
+    near.shares.insert(near.shares.end(), shares.begin(), shares.end());
+  }
+  const MatrixF albedo = result(kAlbedoTask)->matrix("albedo");
+  for (Eigen::Index s = 0; s < albedo.rows(); ++s) {
+    for (Eigen::Index c = 0; c < near.channels; ++c)
+      near.albedo.push_back(pack_share(albedo(s, c)));
+  }
+  return near;
+}
+
 }  // namespace
 
 Package assemble_package(const Result& result, const OptionValues& options) {
@@ -80,13 +104,23 @@ Package assemble_package(const Result& result, const OptionValues& options) {
   package.program = {DirectLightStep{"direct", DirectLightStep::Shadow::kDepth}};
   if (lit) {
     const LightFunctions light = get_light_functions(*result("light_functions"));
+    NearTransfer near = near_of(result, stage, package.samples);
+    const bool has_near = !near.senders.empty();
+    const std::string far = has_near ? "far" : "indirect";
     package.spaces.push_back({"light", Space::Kind::kClusterCoefficients, light.functions.count()});
     package.spaces.push_back({"indirect", Space::Kind::kSampleIrradiance, n});
     package.spaces.push_back({"total", Space::Kind::kSampleIrradiance, n});
     package.operators["project"] = projection_of(light, package.samples);
     package.operators["transfer"] = transfer_of(result, stage, clusters);
     package.program.emplace_back(ApplyStep{"project", "direct", "light"});
-    package.program.emplace_back(ApplyStep{"transfer", "light", "indirect"});
+    package.program.emplace_back(ApplyStep{"transfer", "light", far});
+    if (has_near) {
+      package.spaces.push_back({"near", Space::Kind::kSampleIrradiance, n});
+      package.spaces.push_back({"far", Space::Kind::kSampleIrradiance, n});
+      package.operators["near"] = std::move(near);
+      package.program.emplace_back(ApplyStep{"near", "direct", "near"});
+      package.program.emplace_back(AddStep{"near", "far", "indirect"});
+    }
     package.program.emplace_back(AddStep{"direct", "indirect", "total"});
   }
   package.program.emplace_back(ReconstructStep{lit ? "total" : "direct"});

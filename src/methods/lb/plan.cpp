@@ -50,7 +50,7 @@ class Planner {
       plan_.left_out.push_back(
           {"two colour channels", "the scene is grey: one channel serves all"});
     }
-    if (options_.get<std::string>("lb.solver") == "photons") {
+    if (photons()) {
       plan_photons();
     } else {
       plan_gather();
@@ -113,6 +113,8 @@ class Planner {
       spec.inputs.insert(spec.inputs.end(), lights.begin(), lights.end());
       spec.scene_parts = kGeometry;
       spec.parameters["rank"] = options_.get<int>("lb.light_rank");
+      spec.parameters["near_share"] = near_share();
+      spec.version = 2;
       spec.cost = 1.5e-7 * static_cast<double>(count) * size_of(c);
     });
     std::vector<std::string> inputs = all("light_basis", clusters_);
@@ -127,6 +129,11 @@ class Planner {
     spec.parameters["bits"] = options_.get<int>("compression.bits");
     spec.parameters["tolerance"] = options_.get<double>("compression.tolerance");
     spec.parameters["rank"] = kTransferRank;
+  }
+  [[nodiscard]] bool photons() const { return options_.get<std::string>("lb.solver") == "photons"; }
+  /// Entries of the one-bounce operator above it are kept as they are; photons know no entries.
+  [[nodiscard]] double near_share() const {
+    return photons() ? 1.0 : options_.get<double>("lb.near_share");
   }
   [[nodiscard]] int bounces() const {
     return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
@@ -205,6 +212,8 @@ class Planner {
         spec.inputs.push_back(solve);
       }
       spec.parameters["channels"] = channels_;
+      spec.parameters["near_share"] = near_share();
+      spec.version = 2;
       add_compression(spec);
       spec.cost = 6e-4 * size_of(c);
     });
@@ -248,6 +257,7 @@ class Planner {
 
   /// The transfer tasks of the last round are what the package is made of.
   void finish() {
+    plan_.results.emplace_back(kAlbedoTask);
     for (const std::string& id : all(transfer_stage_, clusters_)) plan_.results.push_back(id);
     plan_.complete = true;
   }

@@ -19,6 +19,12 @@ namespace {
 
 constexpr int kTries = 200;
 
+Package sound_package(const test::SyntheticRoom& room) {
+  Package package = test::synthetic_room(room);
+  test::add_near(package);
+  return package;
+}
+
 void write_bytes(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(reinterpret_cast<const char*>(bytes.data()),
@@ -65,7 +71,7 @@ class Damage : public ::testing::Test {
   void SetUp() override { log::set_up(-1); }
 
   const std::vector<std::byte> sound_ =
-      encode_package(test::synthetic_room({.samples_per_edge = 4, .directions = 36, .bits = 8}));
+      encode_package(sound_package({.samples_per_edge = 4, .directions = 36, .bits = 8}));
   const std::size_t json_bytes_ =
       std::to_integer<std::size_t>(sound_[12]) + 256 * std::to_integer<std::size_t>(sound_[13]);
 };

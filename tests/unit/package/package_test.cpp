@@ -94,6 +94,21 @@ TEST_P(RoundTrip, KeepsEveryMatrixExactly) {
   }
 }
 
+TEST_F(PackageFile, KeepsNearTransfer) {
+  for (const std::uint32_t channels : {1U, 3U}) {
+    Package before = synthetic_room();
+    test::add_near(before, channels);
+    const Package after = round_trip(before);
+    const auto& near = std::get<NearTransfer>(before.operators.at("near"));
+    const auto& read = std::get<NearTransfer>(after.operators.at("near"));
+    EXPECT_EQ(read.channels, channels);
+    EXPECT_EQ(read.begin, near.begin);
+    EXPECT_EQ(read.senders, near.senders);
+    EXPECT_EQ(read.shares, near.shares);
+    EXPECT_EQ(read.albedo, near.albedo);
+  }
+}
+
 TEST_F(PackageFile, KeepsSamples) {
   const Package before = synthetic_room();
   const Package after = round_trip(before);
@@ -253,9 +268,9 @@ INSTANTIATE_TEST_SUITE_P(
           p.program[2] = ApplyStep{"transfer", "c", "e"};
         },
         [](Package& p) {
-          p.program[3] = AddStep{"e", "c", "sum"};
+          p.program[5] = AddStep{"e", "c", "sum"};
         },
-        [](Package& p) { p.program[4] = ReconstructStep{"c"}; },
+        [](Package& p) { p.program.back() = ReconstructStep{"c"}; },
         [](Package& p) { p.program.insert(p.program.begin(), DirectLightStep{"sum"}); },
         [](Package& p) { std::get<ClusterProjection>(p.operators["project"]).blocks[0].cols -= 1; },
         [](Package& p) { std::get<ClusterProjection>(p.operators["project"]).blocks.pop_back(); },
@@ -274,8 +289,24 @@ INSTANTIATE_TEST_SUITE_P(
           left = quantise(MatrixF::Ones(144, 2), 32).matrix;
         }));
 
+using Near = NearTransfer;
+Near& near_of(Package& p) { return std::get<Near>(p.operators["near"]); }
+INSTANTIATE_TEST_SUITE_P(NearTransfer, Unsound,
+                         ::testing::Values<Spoil>([](Package& p) { near_of(p).channels = 2; },
+                                                  [](Package& p) { near_of(p).begin.pop_back(); },
+                                                  [](Package& p) { near_of(p).begin[4] = 1; },
+                                                  [](Package& p) { near_of(p).begin.back() -= 1; },
+                                                  [](Package& p) { near_of(p).senders[9] = 864; },
+                                                  [](Package& p) { near_of(p).shares.pop_back(); },
+                                                  [](Package& p) { near_of(p).albedo.pop_back(); },
+                                                  [](Package& p) {
+                                                    p.program[3] = ApplyStep{"near", "c", "n"};
+                                                  },
+                                                  [](Package& p) { p.spaces[4].dimension = 6; }));
+
 TEST_P(Unsound, IsRefused) {
   Package package = synthetic_room();
+  test::add_near(package);
   validate(package, "room");
   GetParam()(package);
   EXPECT_THROW(validate(package, "room"), UserError);

@@ -194,6 +194,29 @@ Scene rich_scene(const Vec3f& size) {
   return scene;
 }
 
+void add_near(Package& package, std::uint32_t channels) {
+  const auto n = static_cast<std::uint32_t>(package.samples.size());
+  NearTransfer near;
+  near.channels = channels;
+  near.begin = {0};
+  for (std::uint32_t r = 0; r < n; ++r) {
+    near.senders.insert(near.senders.end(), {(r + 7) % n, (r + 50) % n});
+    near.shares.insert(near.shares.end(), {pack_share(0.25F), pack_share(0.5F)});
+    near.begin.push_back(static_cast<std::uint32_t>(near.senders.size()));
+    for (const float a : channels == 3 ? std::vector{0.2F, 0.4F, 0.8F} : std::vector{0.4F}) {
+      near.albedo.push_back(pack_share(a));
+    }
+  }
+  package.operators["near"] = std::move(near);
+  package.spaces.push_back({"n", Space::Kind::kSampleIrradiance, n});
+  package.spaces.push_back({"n+i", Space::Kind::kSampleIrradiance, n});
+  package.program.pop_back();
+  package.program.pop_back();
+  package.program.insert(package.program.end(),
+                         {ApplyStep{"near", "e", "n"}, AddStep{"n", "i", "n+i"},
+                          AddStep{"e", "n+i", "sum"}, ReconstructStep{"sum"}});
+}
+
 Package synthetic_room(const SyntheticRoom& room) {
   Package package;
   package.scene = rich_scene(room.size);

@@ -20,6 +20,10 @@ struct SyntheticRoom {
 /// between their directions the soft test still shadows a little near the edges.
 Package synthetic_room(const SyntheticRoom& room = {});
 
+/// Adds near transfer to a synthetic room: sample r gets a quarter of what sample (r + 7) mod n and
+/// a half of what sample (r + 50) mod n sends back; albedo 0.2, 0.4, 0.8, or 0.4 for one channel.
+void add_near(Package& package, std::uint32_t channels = 3);
+
 /// The room's geometry, with every feature that a package has to carry: two materials out of order,
 /// a textured alpha-masked quad in the middle, camera, point, spot and directional light.
 Scene rich_scene(const Vec3f& size);

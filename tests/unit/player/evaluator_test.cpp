@@ -75,8 +75,32 @@ TEST(Evaluator, OneGreyChannelServesAllThree) {
   EXPECT_TRUE(a.indirect.isApprox(b.indirect, kRounding));
 }
 
+TEST(Evaluator, NearSendersAddTheirShareOfDirectLight) {
+  constexpr float kShareRounding = 3e-5F;  // 16 bits, twice, of products up to 0.4
+  for (const std::uint32_t channels : {3U, 1U}) {
+    const std::vector<Light> lights{point_light({1, 1, 1})};
+    const SampleIrradiance without = play(Evaluator(synthetic_room()), lights);
+    Package room = synthetic_room();
+    test::add_near(room, channels);
+    validate(room, "room");
+    const SampleIrradiance played = play(Evaluator(room), lights);
+    EXPECT_EQ(played.direct, without.direct);
+    const Eigen::Index n = played.direct.rows();
+    const Vec3f albedo = channels == 3 ? Vec3f(0.2F, 0.4F, 0.8F) : Vec3f::Constant(0.4F);
+    for (Eigen::Index r = 0; r < n; ++r) {
+      for (int c = 0; c < 3; ++c) {
+        const float sent =
+            0.25F * played.direct((r + 7) % n, c) + 0.5F * played.direct((r + 50) % n, c);
+        ASSERT_NEAR(played.indirect(r, c) - without.indirect(r, c), albedo[c] * sent,
+                    kShareRounding * played.direct.maxCoeff());
+      }
+    }
+  }
+}
+
 TEST(Evaluator, TwiceThePowerIsExactlyTwiceTheLight) {
-  const Package room = synthetic_room({.bits = 8});
+  Package room = synthetic_room({.bits = 8});
+  test::add_near(room);
   const Evaluator evaluator(room);
   for (Light light :
        {point_light({1, 2, 3}),

@@ -50,7 +50,8 @@ struct Room {
     return sum / area();
   }
   [[nodiscard]] MatrixF gather(const MatrixF& albedo, const MatrixF& field) const {
-    return gather_fields(senders, directions.weights(), albedo, {field})[0];
+    return gather_fields(gather_entries(senders, directions.weights(), samples.size()), albedo,
+                         {field})[0];
   }
   Scene scene;
   test::InProcessBake bake;

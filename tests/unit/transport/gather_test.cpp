@@ -82,11 +82,32 @@ TEST(Gather, OfFieldsIsTheDenseProduct) {
     for (Eigen::Index c = 0; c < channels; ++c) {
       fields.emplace_back(test::random_matrix(kSamples, 11, 5 + c).cast<float>());
     }
-    const auto result = gather_fields(rays.senders, rays.weights, albedo, fields);
+    const auto result =
+        gather_fields(gather_entries(rays.senders, rays.weights, kSamples), albedo, fields);
     for (Eigen::Index c = 0; c < channels; ++c) {
       EXPECT_LT((result[c] - rays.dense(albedo, c) * fields[c]).cwiseAbs().maxCoeff(), kFloat);
     }
   }
+}
+
+// What near transfer takes entry by entry, the functions must leave out: once and no more.
+TEST(Gather, EntriesAboveALimitAndTheRestMakeTheWhole) {
+  const RandomRays rays;
+  const std::vector<std::uint32_t> one_cluster(kSamples, 0);
+  ClusterFunctions unit;  // one function per sample: the gathered matrix is T itself
+  unit.begin = {0, kSamples};
+  unit.values = MatrixF::Identity(kSamples, kSamples);
+  const MatrixF albedo = random_albedo(1);
+  const float limit = 0.8F;  // about half of the entries lie on each side
+  const MatrixF far =
+      gather_functions(rays.senders, rays.weights, albedo, unit, one_cluster, limit)[0];
+  const GatherEntries near = gather_entries(rays.senders, rays.weights, kSamples, limit);
+  const MatrixF near_part = gather_fields(near, albedo, {unit.values})[0];
+  EXPECT_LT((near_part + far - rays.dense(albedo, 0)).cwiseAbs().maxCoeff(), kFloat);
+  EXPECT_GT(near.senders.size(), 100U);
+  EXPECT_GT((far.array() > 0.0F).count(), 100);
+  EXPECT_EQ((near_part.array() * far.array()).abs().maxCoeff(), 0.0F);
+  for (const float share : near.shares) EXPECT_GT(share, limit);
 }
 
 }  // namespace
