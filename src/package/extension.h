@@ -2,6 +2,7 @@
 // Internal to package/.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace prt {
@@ -16,6 +17,8 @@ inline constexpr const char* kClusterProjection = "cluster_projection";
 inline constexpr const char* kClusterTransfer = "cluster_transfer";
 inline constexpr const char* kNearTransfer = "near_transfer";
 
+/// Up to so many things are numbered in 16 bits.
+inline constexpr std::size_t kShortIndices = 65536;
 /// Unit vectors are stored as normalised SHORT.
 inline constexpr float kUnitScale = 32767.0F;
 

@@ -108,6 +108,14 @@ ClusterTransfer read_transfer(const Document& document, const Value& json) {
   return transfer;
 }
 
+/// Inverse of the writer's add_indices().
+std::vector<std::uint32_t> read_indices(const Document& document, const Value& accessor,
+                                        std::size_t limit) {
+  if (limit > kShortIndices) return read_array<std::uint32_t>(document, accessor);
+  const std::vector<std::uint16_t> narrow = read_array<std::uint16_t>(document, accessor);
+  return {narrow.begin(), narrow.end()};
+}
+
 NearTransfer read_near(const Document& document, const Value& json) {
   NearTransfer near;
   near.channels = json["channels"].index(4, "channels");
@@ -115,7 +123,7 @@ NearTransfer read_near(const Document& document, const Value& json) {
   near.begin = read_array<std::uint32_t>(document, json["begin"]);
   near.albedo = read_array<std::uint16_t>(document, json["albedo"], near.channels);
   if (const auto senders = json.find("senders")) {
-    near.senders = read_array<std::uint32_t>(document, *senders);
+    near.senders = read_indices(document, *senders, near.begin.size() - 1);
     near.shares = read_array<std::uint16_t>(document, json["shares"]);
   }
   return near;

@@ -84,6 +84,14 @@ json write_operator(const ClusterTransfer& transfer, GltfWriter& writer) {
   return entry;
 }
 
+/// Indices below `limit`, in 16 bits where they fit, as glTF does it with vertices.
+std::uint32_t add_indices(const std::vector<std::uint32_t>& indices, std::size_t limit,
+                          GltfWriter& writer) {
+  if (limit > kShortIndices) return writer.add(std::span<const std::uint32_t>(indices));
+  const std::vector<std::uint16_t> narrow(indices.begin(), indices.end());
+  return writer.add(std::span<const std::uint16_t>(narrow));
+}
+
 json write_operator(const NearTransfer& near, GltfWriter& writer) {
   const auto add = [&](const std::vector<std::uint16_t>& values, unsigned components) {
     return writer.add(std::span<const std::uint16_t>(values), components, GltfWriter::Use::kData,
@@ -93,7 +101,7 @@ json write_operator(const NearTransfer& near, GltfWriter& writer) {
                 {"begin", writer.add(std::span<const std::uint32_t>(near.begin))},
                 {"albedo", add(near.albedo, near.channels)}};
   if (!near.senders.empty()) {
-    entry["senders"] = writer.add(std::span<const std::uint32_t>(near.senders));
+    entry["senders"] = add_indices(near.senders, near.begin.size() - 1, writer);
     entry["shares"] = add(near.shares, 1);
   }
   entry["channels"] = near.channels;

@@ -18,16 +18,22 @@ std::vector<double> cumulative_areas(const Scene& scene) {
 }
 
 AreaPoint area_point(const std::vector<double>& cumulative, std::uint64_t k, std::uint64_t total,
-                     Random& random) {
+                     std::uint64_t stream, Random& random) {
   const double along = (static_cast<double>(k) + random.uniform()) / static_cast<double>(total);
   const auto above =
       std::upper_bound(cumulative.begin() + 1, cumulative.end() - 1, along * cumulative.back());
-  // The golden-ratio sequence spreads the points of one triangle evenly.
-  const double golden = 0.6180339887498949 * static_cast<double>(k);
-  const float root = std::sqrt(random.uniform());
-  const auto slide = static_cast<float>(golden - std::floor(golden));
-  return {static_cast<std::uint32_t>(above - cumulative.begin() - 1), root * (1.0F - slide),
-          root * slide};
+  const auto triangle = static_cast<std::uint32_t>(above - cumulative.begin() - 1);
+  // One shift per triangle: without it, points of triangles that follow each other in a regular
+  // mesh would repeat a pattern.
+  Random shift(stream_key(stream, "shift of a triangle"), triangle);
+  const auto turn = [&](double step) {
+    const double x = step * static_cast<double>(k) + shift.uniform();
+    return static_cast<float>(x - std::floor(x));
+  };
+  const float u = turn(0.7548776662466927);
+  const float v = turn(0.5698402909980532);
+  if (u + v <= 1.0F) return {triangle, u, v};
+  return {triangle, 1.0F - u, 1.0F - v};
 }
 
 namespace {
@@ -104,7 +110,7 @@ SurfacePoints draw_area_points(const Scene& scene, const RayCaster& caster,
   const std::vector<double> cumulative = cumulative_areas(scene);
   for (std::uint64_t k = settings.first; k < settings.total; k += settings.step) {
     Random random(settings.stream, k);
-    const AreaPoint p = area_point(cumulative, k, settings.total, random);
+    const AreaPoint p = area_point(cumulative, k, settings.total, settings.stream, random);
     if (std::min({p.u, p.v, 1.0F - p.u - p.v}) < kEdge) continue;
     if (!opaque_at(scene, p.triangle, p.u, p.v)) continue;
     const Vec3f position = triangle_point(scene, p.triangle, p.u, p.v);

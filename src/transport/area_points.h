@@ -18,9 +18,10 @@ struct AreaPoint {
 /// Running sums of triangle areas, to pick area-uniform points; triangles + 1 entries, m².
 std::vector<double> cumulative_areas(const Scene& scene);
 
-/// Point k of `total` points stratified over the whole surface.
+/// Point k of `total` points spread evenly over the whole surface: stratified over the triangles,
+/// and on each of them a Kronecker sequence (Roberts' R2) that is shifted at random, by `stream`.
 AreaPoint area_point(const std::vector<double>& cumulative, std::uint64_t k, std::uint64_t total,
-                     Random& random);
+                     std::uint64_t stream, Random& random);
 
 struct AreaPointSettings {
   Vec3f start = Vec3f::Zero();  ///< where particles start: in the open

@@ -59,7 +59,7 @@ CellPoints draw_cell_points(const Scene& scene, const RayCaster& caster, const S
   CellPoints points;
   for (std::uint64_t k = first; k < std::min(first + count, total); ++k) {
     Random random(stream, k);
-    const auto [triangle, u, v] = area_point(cumulative, k, total, random);
+    const auto [triangle, u, v] = area_point(cumulative, k, total, stream, random);
     if (!opaque_at(scene, triangle, u, v)) continue;
     const Vec3f position = triangle_point(scene, triangle, u, v);
     const Vec3f front = triangle_normal(scene, triangle);

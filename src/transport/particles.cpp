@@ -187,7 +187,7 @@ Vec3f find_start(const Scene& scene, const RayCaster& caster, std::uint64_t stre
   const std::vector<double> cumulative = cumulative_areas(scene);
   for (int k = 0; k < kPlaces; ++k) {
     Random random(stream, kPlaces + 1 + k);
-    const AreaPoint at = area_point(cumulative, k, kPlaces, random);
+    const AreaPoint at = area_point(cumulative, k, kPlaces, stream, random);
     const Vec3f normal = triangle_normal(scene, at.triangle);
     const Vec3f origin =
         offset_origin(scene, triangle_point(scene, at.triangle, at.u, at.v), normal);

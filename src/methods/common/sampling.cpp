@@ -56,7 +56,7 @@ std::size_t wanted_samples(const PlanInputs& inputs) {
 }
 
 TaskSpec start_task(const PlanInputs& inputs) {
-  TaskSpec spec = task("start", "start", 3);
+  TaskSpec spec = task("start", "start", 4);
   spec.scene_parts = kGeometry;
   spec.cost = 0.2;
   const auto& options = inputs.options();
@@ -76,7 +76,7 @@ std::vector<TaskSpec> candidate_tasks(const PlanInputs& inputs) {
   const std::size_t tasks = (wanted + kCandidatesPerTask - 1) / kCandidatesPerTask;
   std::vector<TaskSpec> result;
   for (std::size_t i = 0; i < tasks; ++i) {
-    TaskSpec spec = task(numbered("candidates", i), "candidates", 3);
+    TaskSpec spec = task(numbered("candidates", i), "candidates", 4);
     spec.inputs = {"start"};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},
@@ -112,7 +112,7 @@ std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
       std::clamp(area / per_point, 1000.0, static_cast<double>(kMostPoints)));
   std::vector<TaskSpec> result;
   for (std::uint64_t first = 0; first < total; first += kPointsPerTask) {
-    TaskSpec spec = task(numbered("cells", result.size()), "cells", 3);
+    TaskSpec spec = task(numbered("cells", result.size()), "cells", 4);
     spec.inputs = {"points"};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},

@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kLightFunctions = "light_functions";
 constexpr std::size_t kLightsPerTask = 250;
 // The first snapshot bases; doubled while the measured residual stays above the tolerance.
-constexpr int kSnapshotRank = 40;
+constexpr int kSnapshotRank = 56;
 constexpr int kTransferRank = 50;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
@@ -188,6 +188,7 @@ class Planner {
         spec.parameters["channels"] = channels_;
         spec.parameters["rank"] = rank;
         spec.parameters["tolerance"] = tolerance;
+        spec.version = 2;
         spec.cost = 3e-4 * size_of(c);
       });
       std::vector<std::string> inputs = all(snapshot, clusters_);
@@ -213,7 +214,7 @@ class Planner {
       }
       spec.parameters["channels"] = channels_;
       spec.parameters["near_share"] = near_share();
-      spec.version = 2;
+      spec.version = 3;
       add_compression(spec);
       spec.cost = 6e-4 * size_of(c);
     });

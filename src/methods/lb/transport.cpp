@@ -13,10 +13,11 @@ namespace prt::lb {
 namespace {
 
 constexpr Eigen::Index kProbes = 4;
-// Light shapes on a cluster are found from this many example lights per function wanted.
+// Light shapes on a cluster are found from this many mixtures of lights per function wanted.
 constexpr Eigen::Index kLightsPerRank = 6;
-// Example lights on which compressed transfer is tuned and judged.
+// Mixtures of example lights on which compressed transfer is tuned and judged.
 constexpr Eigen::Index kTypicalLights = 250;
+constexpr std::uint64_t kMixStream = 0x316875;
 
 /// What the gather of one receiver cluster needs: inputs samples, albedo, rays.
 struct Receiver {
@@ -68,9 +69,17 @@ MatrixF probe_lights(const MatrixF& lights) {
   return lights.rightCols(std::min<Eigen::Index>(kProbes, lights.cols()));
 }
 
-/// The first example lights, so many at most, but for the probes where there are enough.
+/// All example lights but the probes, summed up with random signs into `most` columns (a count
+/// sketch): bases made from them know every light, where so many of the lights alone would be
+/// fitted too closely.
 MatrixF training_lights(const MatrixF& lights, Eigen::Index most) {
-  return lights.leftCols(std::min(most, std::max<Eigen::Index>(1, lights.cols() - kProbes)));
+  const Eigen::Index count = std::max<Eigen::Index>(1, lights.cols() - kProbes);
+  MatrixF mixed = MatrixF::Zero(lights.rows(), std::min(most, count));
+  for (Eigen::Index l = 0; l < count; ++l) {
+    const bool negative = Random(kMixStream, static_cast<std::uint64_t>(l)).bits() % 2 == 1;
+    mixed.col(l % mixed.cols()) += (negative ? -1.0F : 1.0F) * lights.col(l);
+  }
+  return mixed;
 }
 
 /// Adds to once-gathered functions what the reduced system says of all further bounces. Inputs
