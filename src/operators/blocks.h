@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -48,7 +49,7 @@ struct NearTransfer {
 /// [0, 1] as 16-bit integers, the way NearTransfer keeps shares and albedo.
 inline constexpr float kUnitShare = 65535.0F;
 inline std::uint16_t pack_share(float share) {
-  return static_cast<std::uint16_t>(std::clamp(share, 0.0F, 1.0F) * kUnitShare + 0.5F);
+  return static_cast<std::uint16_t>(std::lround(std::clamp(share, 0.0F, 1.0F) * kUnitShare));
 }
 
 }  // namespace prt

@@ -70,8 +70,7 @@ GatherEntries gather_entries(std::span<const std::uint32_t> senders, std::span<c
 std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const float> weights, const MatrixF& albedo,
                                       const ClusterFunctions& functions,
-                                      std::span<const std::uint32_t> cluster_of_sample,
-                                      float most) {
+                                      std::span<const std::uint32_t> cluster_of_sample) {
   const std::size_t directions = weights.size();
   const auto receivers = static_cast<Eigen::Index>(senders.size() / directions);
   const MatrixF values = pad_columns(functions.values);
@@ -86,7 +85,6 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
     hits.collect(senders.subspan(r * directions, directions), weights);
     sums.setZero();
     for (const std::uint32_t j : hits.hit()) {
-      if (hits[j] > most) continue;
       const float* row = values.data() + j * width;
       float* out = sums.data() + cluster_of_sample[j] * channels * width;
       for (Eigen::Index c = 0; c < channels; ++c) {

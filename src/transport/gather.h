@@ -39,12 +39,10 @@ GatherEntries gather_entries(std::span<const std::uint32_t> senders, std::span<c
 /// T applied to all functions, for receiver samples [begin, end): one matrix per channel,
 /// (end - begin) × functions.count(). `senders`: their hits, (end - begin) × weights.size(), as
 /// HemisphereRays has them; `weights` the directions' cosine weights; `albedo` samples × channels.
-/// Entries of G above `most` are left out.
 std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const float> weights, const MatrixF& albedo,
                                       const ClusterFunctions& functions,
-                                      std::span<const std::uint32_t> cluster_of_sample,
-                                      float most = kInfinity);
+                                      std::span<const std::uint32_t> cluster_of_sample);
 
 /// T, as far as the entries go, applied to global fields: fields[c] is samples × m for channel c;
 /// result receivers × m each.

@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "methods/lb/lb.h"
+#include "methods/lb/near.h"
 #include "methods/lb/tasks.h"
 #include "scene/load.h"
 #include "statistical/z_test.h"
@@ -100,20 +101,23 @@ struct Setting {
   MatrixF projected;     ///< samples × lights: direct light as the functions hold it
 };
 
-/// What near senders add to one receiver cluster's irradiance.
-void add_near(const Setting& s, const Artifact& transfer, std::uint32_t cluster, MatrixF& all) {
-  GatherEntries near{transfer.vector<std::uint32_t>("near_begin"),
-                     transfer.vector<std::uint32_t>("near_senders"),
-                     {}};
-  for (const auto share : transfer.values<std::uint16_t>("near_shares")) {
+/// What near senders add to all irradiance (samples × channels · lights), as the package has it.
+void add_near(const Setting& s, MatrixF& all) {
+  NearTransfer stored;
+  for (std::uint32_t c = 0; c < s.samples.clusters(); ++c) {
+    lb::append_near(*s.bake->result(numbered("near", c)), stored);
+  }
+  GatherEntries near{stored.begin, stored.senders, {}};
+  for (const auto share : stored.shares)
     near.shares.push_back(static_cast<float>(share) / kUnitShare);
+  const MatrixF albedo = s.bake->result(kAlbedoTask)->matrix("albedo");
+  std::vector<MatrixF> received;
+  std::vector<MatrixF> sent(kChannels, s.projected);
+  for (int bounce = 0; bounce < lb::kNearBounces; ++bounce) {
+    received = gather_fields(near, albedo, sent);
+    for (Eigen::Index c = 0; c < kChannels; ++c) sent[c] = s.projected + received[c];
   }
-  const auto received = gather_fields(near, s.bake->result(kAlbedoTask)->matrix("albedo"),
-                                      std::vector<MatrixF>(kChannels, s.projected));
-  for (Eigen::Index c = 0; c < kChannels; ++c) {
-    all.block(s.samples.cluster_begin[cluster], c * kLights, received[c].rows(), kLights) +=
-        received[c];
-  }
+  for (Eigen::Index c = 0; c < kChannels; ++c) all.middleCols(c * kLights, kLights) += received[c];
 }
 
 /// Irradiance that the finished transfer gives, samples × (channels · lights).
@@ -139,8 +143,8 @@ MatrixF gathered(const Setting& s) {
       all.block(s.samples.cluster_begin[cluster], c * kLights, left.rows(), kLights) =
           left * (right.middleCols(c * width, width) * kept);
     }
-    add_near(s, *part, cluster, all);
   }
+  add_near(s, all);
   return all;
 }
 

@@ -30,7 +30,7 @@ class InProcessBake : public PlanInputs {
   /// Plans and runs until the plan is complete; returns it.
   Plan run(const Method& method) {
     for (;;) {
-      const Plan plan = method.plan(*this);
+      Plan plan = method.plan(*this);
       std::size_t ran = 0;
       for (const TaskSpec& task : plan.tasks) {
         if (results_.contains(task.id)) continue;

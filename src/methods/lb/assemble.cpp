@@ -2,6 +2,7 @@
 
 #include "methods/common/inputs.h"
 #include "methods/common/sampling.h"
+#include "methods/lb/near.h"
 #include "methods/lb/plan.h"
 #include "methods/lb/tasks.h"
 #include "store/quantised_io.h"
@@ -65,21 +66,14 @@ ClusterTransfer transfer_of(const Result& result, const std::string& stage, std:
   return transfer;
 }
 
-/// Near transfer of all receiver clusters; without entries where none was made.
-NearTransfer near_of(const Result& result, const std::string& stage, const SampleSet& samples) {
+/// Near transfer of all clusters; without entries where none was made.
+NearTransfer near_of(const Result& result, const SampleSet& samples, std::uint32_t channels) {
   NearTransfer near;
-  near.begin = {0};
+  near.channels = channels;
   for (std::size_t c = 0; c < samples.clusters(); ++c) {
-    const auto part = result(numbered(stage, c));
-    if (!part->has("near_begin")) return near;
-    near.channels = part->attribute<std::uint32_t>("channels");
-    const auto begin = part->values<std::uint32_t>("near_begin");
-    const auto senders = part->values<std::uint32_t>("near_senders");
-    const auto shares = part->values<std::uint16_t>("near_shares");
-    const auto before = static_cast<std::uint32_t>(near.senders.size());
-    for (std::size_t r = 1; r < begin.size(); ++r) near.begin.push_back(before + begin[r]);
-    near.senders.insert(near.senders.end(), senders.begin(), senders.end());
-    near.shares.insert(near.shares.end(), shares.begin(), shares.end());
+    const auto part = result(numbered("near", c));
+    if (!part) return {};
+    append_near(*part, near);
   }
   const MatrixF albedo = result(kAlbedoTask)->matrix("albedo");
   for (Eigen::Index s = 0; s < albedo.rows(); ++s) {
@@ -87,6 +81,25 @@ NearTransfer near_of(const Result& result, const std::string& stage, const Sampl
       near.albedo.push_back(pack_share(albedo(s, c)));
   }
   return near;
+}
+
+/// near = N·(e + N·(e + …)), as many times as transfer leaves out: the steps that make space "near"
+/// from "direct".
+void add_near_steps(Package& package, int bounces) {
+  const auto n = static_cast<std::uint32_t>(package.samples.size());
+  const auto space = [&](std::string name) {
+    package.spaces.push_back({name, Space::Kind::kSampleIrradiance, n});
+    return name;
+  };
+  std::string sent = "direct";
+  for (int bounce = 1; bounce < bounces; ++bounce) {
+    const std::string received = space("near-" + std::to_string(bounce));
+    const std::string both = space("direct+near-" + std::to_string(bounce));
+    package.program.emplace_back(ApplyStep{"near", sent, received});
+    package.program.emplace_back(AddStep{"direct", received, both});
+    sent = both;
+  }
+  package.program.emplace_back(ApplyStep{"near", sent, space("near")});
 }
 
 }  // namespace
@@ -104,7 +117,9 @@ Package assemble_package(const Result& result, const OptionValues& options) {
   package.program = {DirectLightStep{"direct", DirectLightStep::Shadow::kDepth}};
   if (lit) {
     const LightFunctions light = get_light_functions(*result("light_functions"));
-    NearTransfer near = near_of(result, stage, package.samples);
+    const auto first = result(numbered(stage, 0));
+    NearTransfer near =
+        near_of(result, package.samples, first->attribute<std::uint32_t>("channels"));
     const bool has_near = !near.senders.empty();
     const std::string far = has_near ? "far" : "indirect";
     package.spaces.push_back({"light", Space::Kind::kClusterCoefficients, light.functions.count()});
@@ -115,10 +130,9 @@ Package assemble_package(const Result& result, const OptionValues& options) {
     package.program.emplace_back(ApplyStep{"project", "direct", "light"});
     package.program.emplace_back(ApplyStep{"transfer", "light", far});
     if (has_near) {
-      package.spaces.push_back({"near", Space::Kind::kSampleIrradiance, n});
       package.spaces.push_back({"far", Space::Kind::kSampleIrradiance, n});
       package.operators["near"] = std::move(near);
-      package.program.emplace_back(ApplyStep{"near", "direct", "near"});
+      add_near_steps(package, first->attribute<int>("near_bounces"));
       package.program.emplace_back(AddStep{"near", "far", "indirect"});
     }
     package.program.emplace_back(AddStep{"direct", "indirect", "total"});

@@ -30,6 +30,7 @@ const std::map<std::string, Task>& task_table() {
     t["snapshot_functions"] = {lb::run_snapshot_functions, "LB §4.3.2"};
     t["galerkin"] = {lb::run_galerkin, "LB §4.3.2, eq. 4, by Galerkin projection"};
     t["solve"] = {lb::run_solve, "LB §4.3.2, eq. 4, by Galerkin projection"};
+    t["near"] = {lb::run_near, "one bounce of LB §4.3.2, near senders one by one"};
     t["transfer"] = {lb::run_transfer, "LB §4.3.2, eq. 10, and §4.4"};
     t["residual"] = {lb::run_residual, "LB §4.3.2"};
     t["photons"] = {lb::run_photons, "LB §4.3.2"};
@@ -84,7 +85,7 @@ class LeonhardtBohn : public Method {
          "LB §4.3.1"},
         {"lb.near_share",
          Type::kNumber,
-         0.004,
+         0.003,
          0.0001,
          1.0,
          {},

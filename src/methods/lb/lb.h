@@ -7,20 +7,21 @@
 //
 // Where we leave the paper, and why:
 // - Eq. 10 subtracts the mean direct light; its own transfer is then lost. Our light basis is
-// uncentred
-//   and begins with the constant, so the map stays linear in the light.
+//   uncentred, so the map stays linear in the light.
+// - Light functions are chosen by the indirect light that they cause, and clusters share them out:
+//   d2 of them in the mean, more where more hangs on them.
+// - Light between samples that fill much of each other's hemisphere (lb.near_share) goes entry by
+//   entry, three times to and fro, and the light functions serve the rest: what a near wall sends
+//   back changes within a few samples, and owned most of the error.
 // - Inner products are weighted by cell area: samples are only nearly uniform, and the transport
-// operator
-//   is symmetric in that product alone.
+//   operator is symmetric in that product alone.
 // - Basis functions are scaled by the typical size of their coefficients, so that truncation and
-// rounding
-//   weigh errors by what lights really do.
+//   rounding weigh errors by what lights really do.
 // - Besides photons (§4.3.2) the stored hemispherical hits are used as a one-bounce operator, and
-// further
-//   bounces come from a Galerkin system on snapshots: less noise in less time.
+//   further bounces come from a Galerkin system on snapshots: less noise in less time.
 // - Transfer blocks are kept as low rank per receiver cluster instead of sparse rows (§4.4):
-// smaller at
-//   the same error.
+// smaller
+//   at the same error.
 #pragma once
 
 #include "methods/method.h"

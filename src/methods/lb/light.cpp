@@ -77,7 +77,7 @@ Patches make_patches(const SampleSet& samples) {
 /// What irradiance on a cluster's samples causes: once-reflected flux into every patch over the
 /// root of its area, per colour channel, sketched: kEffectRows × n_c. By reciprocity it is read off
 /// the cluster's own rays: A_s·G(j, s) dA_j = A_j·G(s, j). Entries G(j, s) above near_share are
-/// left out: they get transfer of their own.
+/// left out: they get transfer of their own (1: none does).
 MatrixF patch_effect(const Artifact& rays, const MatrixF& albedo, const SampleSet& samples,
                      std::uint32_t begin, const Patches& patches, float near_share) {
   const HemisphereDirections directions(rays.attribute<int>("directions"));
@@ -104,7 +104,9 @@ MatrixF patch_effect(const Artifact& rays, const MatrixF& albedo, const SampleSe
     float* row = effect.row(s).data();
     for (std::uint32_t k = entries.begin[s]; k < entries.begin[s + 1]; ++k) {
       const std::uint32_t j = entries.senders[k];
-      if (entries.shares[k] * area > near_share * samples.areas[j]) continue;
+      const bool near =
+          near_share < 1.0F && entries.shares[k] * area > near_share * samples.areas[j];
+      if (near) continue;
       const Target* target = &targets[patches.of_sample[j] * channels];
       for (Eigen::Index c = 0; c < channels; ++c) {
         row[target[c].row] += target[c].factor * albedo(s, c) * area * entries.shares[k];

@@ -9,6 +9,7 @@
 #include "methods/common/inputs.h"
 #include "methods/common/rays.h"
 #include "methods/common/sampling.h"
+#include "methods/lb/near.h"
 
 namespace prt::lb {
 
@@ -139,7 +140,21 @@ class Planner {
     return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
   }
 
+  [[nodiscard]] int near_bounces() const {
+    return bounces() < 0 ? kNearBounces : std::min(kNearBounces, bounces());
+  }
+
+  void plan_near() {
+    per_cluster("near", "near", [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = {kSamplesTask, numbered("rays", c)};
+      spec.parameters["near_share"] = near_share();
+      spec.cost = 5e-5 * size_of(c);
+      plan_.results.push_back(spec.id);
+    });
+  }
+
   void plan_gather() {
+    plan_near();
     for (int round = 0; round < kMostRounds; ++round) {
       plan_round(round);
       if (bounces() >= 0) break;  // a truncated series has no residual to judge
@@ -208,13 +223,15 @@ class Planner {
     }
     per_cluster("transfer", transfer_stage_, [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = gather_inputs(c, kLightFunctions);
+      const auto near = all("near", clusters_);
+      spec.inputs.insert(spec.inputs.end(), near.begin(), near.end());
       if (!one_bounce) {
         spec.inputs.push_back(bundle);
         spec.inputs.push_back(solve);
       }
       spec.parameters["channels"] = channels_;
-      spec.parameters["near_share"] = near_share();
-      spec.version = 3;
+      spec.parameters["near_bounces"] = near_bounces();
+      spec.version = 4;
       add_compression(spec);
       spec.cost = 6e-4 * size_of(c);
     });

@@ -24,7 +24,10 @@ Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader);
 Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader);
 /// snapshot/*, galerkin/* → solution of the reduced system for every light function.
 Artifact run_solve(const TaskSpec& task, const TaskReader& reader);
-/// samples, albedo, rays/c, light_functions[, snapshot_functions, solve] → compressed transfer.
+/// samples, rays/c → near entries of one cluster's samples.
+Artifact run_near(const TaskSpec& task, const TaskReader& reader);
+/// samples, albedo, rays/c, light_functions, near/*[, snapshot_functions, solve] → compressed
+/// transfer but for the near series.
 Artifact run_transfer(const TaskSpec& task, const TaskReader& reader);
 /// samples, albedo, rays/c, probes of transfer/* → residual of the transport equation.
 Artifact run_residual(const TaskSpec& task, const TaskReader& reader);

@@ -4,9 +4,10 @@
 #include "bases/function_basis.h"
 #include "domains/directions.h"
 #include "methods/common/inputs.h"
+#include "methods/lb/near.h"
 #include "methods/lb/tasks.h"
-#include "operators/blocks.h"
 #include "operators/reduced_system.h"
+#include "transport/near_series.h"
 
 namespace prt::lb {
 
@@ -29,11 +30,9 @@ struct Receiver {
         albedo(reader.input(1)->matrix("albedo").leftCols(task.parameters["channels"].get<int>())),
         areas(cluster_areas(shared->samples, cluster)) {}
 
-  /// Entries of the one-bounce operator above `most` are left out.
-  [[nodiscard]] std::vector<MatrixF> gather(const ClusterFunctions& functions,
-                                            float most = kInfinity) const {
+  [[nodiscard]] std::vector<MatrixF> gather(const ClusterFunctions& functions) const {
     return gather_functions(rays->values<std::uint32_t>("sender"), directions.weights(), albedo,
-                            functions, shared->cluster_of_sample, most);
+                            functions, shared->cluster_of_sample);
   }
   /// Entries of the one-bounce operator above `least`.
   [[nodiscard]] GatherEntries entries(float least) const {
@@ -178,83 +177,47 @@ Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
   return out;
 }
 
-namespace {
-
-/// Direct light of some coefficients at all samples, samples × lights.
-MatrixF direct_fields(const ClusterFunctions& functions, const SampleSet& samples,
-                      const MatrixF& coefficients) {
-  MatrixF fields(static_cast<Eigen::Index>(samples.size()), coefficients.cols());
-  for (std::size_t c = 0; c < samples.clusters(); ++c) {
-    const Eigen::Index first = samples.cluster_begin[c];
-    const Eigen::Index count = samples.cluster_size(c);
-    fields.middleRows(first, count).noalias() =
-        functions.values.block(first, 0, count, functions.of(c)) *
-        coefficients.middleRows(functions.begin[c], functions.of(c));
-  }
-  return fields;
-}
-
-/// Near transfer into a receiver cluster as the package keeps it.
-void put_near(Artifact& out, const GatherEntries& near) {
-  std::vector<std::uint16_t> shares;
-  double off = 0.0;
-  double total = 0.0;
-  for (const float share : near.shares) {
-    shares.push_back(pack_share(share));
-    off += std::pow(static_cast<float>(shares.back()) / kUnitShare - share, 2);
-    total += static_cast<double>(share) * share;
-  }
-  out.put<std::uint32_t>("near_begin", near.begin, {near.begin.size()}, "1",
-                         "first near entry of each sample");
-  out.put<std::uint32_t>("near_senders", near.senders, {near.senders.size()}, "1",
-                         "samples that fill much of a sample's hemisphere");
-  out.put<std::uint16_t>("near_shares", shares, {shares.size()}, "1/65535",
-                         "cosine-weighted share of the hemisphere that each fills");
-  out.attributes["error_near_rounding"] = total > 0.0 ? std::sqrt(off / total) : 0.0;
-}
-
-}  // namespace
-
 Artifact run_transfer(const TaskSpec& task, const TaskReader& reader) {
   const Receiver receiver(task, reader);
   const auto functions = shared_functions(reader, 3);
-  const auto near_share = task.parameters["near_share"].get<float>();
-  const GatherEntries near = receiver.entries(near_share);
-  std::vector<MatrixF> transfer = receiver.gather(*functions, near_share);
+  std::vector<MatrixF> transfer = receiver.gather(*functions);
   const auto lights = shared_light_coefficients(reader, 3);
   const MatrixF z = probe_lights(*lights);
-  const std::vector<MatrixF> near_probes =
-      gather_fields(near, receiver.albedo,
-                    std::vector<MatrixF>(transfer.size(),
-                                         direct_fields(*functions, receiver.shared->samples, z)));
   double source = 0.0;  // squared norm of the once-gathered probes
-  for (std::size_t c = 0; c < transfer.size(); ++c) {
-    source += (receiver.areas.cwiseSqrt().asDiagonal() * (transfer[c] * z + near_probes[c]))
-                  .squaredNorm();
+  for (const MatrixF& x : transfer) {
+    source += (receiver.areas.cwiseSqrt().asDiagonal() * (x * z)).squaredNorm();
   }
   MatrixF probes =
       MatrixF::Zero(receiver.areas.size(), static_cast<Eigen::Index>(transfer.size()) * z.cols());
-  if (task.inputs.size() > 4) {
+  const std::size_t first_near = 4;
+  const std::size_t first_bounces = first_near + receiver.shared->samples.clusters();
+  if (task.inputs.size() > first_bounces) {
     check_stop(reader);
-    transfer = gather_all_bounces(receiver, reader, std::move(transfer), 4);
-    const MatrixF own = receiver.own(*shared_functions(reader, 4));
+    transfer = gather_all_bounces(receiver, reader, std::move(transfer), first_bounces);
+    const MatrixF own = receiver.own(*shared_functions(reader, first_bounces));
     for (std::size_t c = 0; c < transfer.size(); ++c) {
       // The part of the probes that the snapshot bases miss: T sends exactly that on as residual.
-      const MatrixF lit = transfer[c] * z + near_probes[c];
+      const MatrixF lit = transfer[c] * z;
       probes.middleCols(static_cast<Eigen::Index>(c) * z.cols(), z.cols()) =
           lit - own * (own.transpose() * (receiver.areas.asDiagonal() * lit));
     }
   }
   check_stop(reader);
   const auto& p = task.parameters;
+  const SampleSet& samples = receiver.shared->samples;
+  subtract_series(
+      near_series(*shared_near(reader, first_near, samples.clusters()), receiver.albedo,
+                  samples.cluster_begin[receiver.cluster],
+                  samples.cluster_begin[receiver.cluster + 1], p["near_bounces"].get<int>()),
+      *functions, receiver.shared->cluster_of_sample, transfer);
   Artifact out = compress_transfer(
       transfer, receiver.areas, functions->begin, training_lights(*lights, kTypicalLights),
       {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
-  put_near(out, near);
   out.put("probes", probes, "W/m^2", "probe lights' part outside the snapshot bases");
   out.attributes["cluster"] = receiver.cluster;
   out.attributes["samples"] = receiver.areas.size();
   out.attributes["probe_source"] = source;
+  out.attributes["near_bounces"] = p["near_bounces"];
   return out;
 }
 

@@ -4,6 +4,7 @@
 
 #include "support/random_matrix.h"
 #include "transport/hemisphere.h"
+#include "transport/near_series.h"
 
 namespace prt {
 namespace {
@@ -15,8 +16,8 @@ constexpr Eigen::Index kDirections = 70;
 constexpr float kFloat = 1e-5F;
 
 struct RandomRays {
-  RandomRays() {
-    for (Eigen::Index r = 0; r < kReceivers; ++r) {
+  explicit RandomRays(Eigen::Index receivers = kReceivers) {
+    for (Eigen::Index r = 0; r < receivers; ++r) {
       Random random(1, static_cast<std::uint64_t>(r));
       for (Eigen::Index d = 0; d < kDirections; ++d) {
         const std::uint32_t j = random.below(kSamples + 10);
@@ -90,24 +91,40 @@ TEST(Gather, OfFieldsIsTheDenseProduct) {
   }
 }
 
-// What near transfer takes entry by entry, the functions must leave out: once and no more.
-TEST(Gather, EntriesAboveALimitAndTheRestMakeTheWhole) {
-  const RandomRays rays;
-  const std::vector<std::uint32_t> one_cluster(kSamples, 0);
-  ClusterFunctions unit;  // one function per sample: the gathered matrix is T itself
+// What near transfer takes entry by entry, the transfer must leave out: once and no more.
+TEST(NearSeries, IsTheSumOfPowersAndLeavesTheRest) {
+  const RandomRays some(kSamples);
+  const float limit = 0.8F;  // about half of the entries lie on each side
+  const GatherEntries near = gather_entries(some.senders, some.weights, kSamples, limit);
+  EXPECT_GT(near.senders.size(), 100U);
+  EXPECT_LT(near.senders.size(),
+            gather_entries(some.senders, some.weights, kSamples).senders.size());
+  for (const float share : near.shares) EXPECT_GT(share, limit);
+  ClusterFunctions unit;  // one function per sample: what is left is the matrix itself
   unit.begin = {0, kSamples};
   unit.values = MatrixF::Identity(kSamples, kSamples);
-  const MatrixF albedo = random_albedo(1);
-  const float limit = 0.8F;  // about half of the entries lie on each side
-  const MatrixF far =
-      gather_functions(rays.senders, rays.weights, albedo, unit, one_cluster, limit)[0];
-  const GatherEntries near = gather_entries(rays.senders, rays.weights, kSamples, limit);
-  const MatrixF near_part = gather_fields(near, albedo, {unit.values})[0];
-  EXPECT_LT((near_part + far - rays.dense(albedo, 0)).cwiseAbs().maxCoeff(), kFloat);
-  EXPECT_GT(near.senders.size(), 100U);
-  EXPECT_GT((far.array() > 0.0F).count(), 100);
-  EXPECT_EQ((near_part.array() * far.array()).abs().maxCoeff(), 0.0F);
-  for (const float share : near.shares) EXPECT_GT(share, limit);
+  const std::vector<std::uint32_t> one_cluster(kSamples, 0);
+  const MatrixF albedo = 0.1F * random_albedo(3);
+  constexpr std::uint32_t kFirst = 10;
+  constexpr std::uint32_t kEnd = 37;
+  for (const int bounces : {1, 2, 3}) {
+    const NearSeries series = near_series(near, albedo, kFirst, kEnd, bounces);
+    std::vector<MatrixF> rest(3, MatrixF::Zero(kEnd - kFirst, kSamples));
+    subtract_series(series, unit, one_cluster, rest);
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      MatrixF n = MatrixF::Zero(kSamples, kSamples);
+      for (Eigen::Index r = 0; r < kSamples; ++r) {
+        for (std::uint32_t k = near.begin[r]; k < near.begin[r + 1]; ++k) {
+          n(r, near.senders[k]) = near.shares[k] * albedo(near.senders[k], c);
+        }
+      }
+      MatrixF sum = n;
+      for (int bounce = 1; bounce < bounces; ++bounce) sum = n + n * sum;
+      const MatrixF expected = sum.middleRows(kFirst, kEnd - kFirst);
+      EXPECT_LT((rest[c] + expected).cwiseAbs().maxCoeff(), kFloat * expected.maxCoeff());
+      EXPECT_GT(expected.maxCoeff(), 0.1F);
+    }
+  }
 }
 
 }  // namespace
