@@ -63,6 +63,7 @@ Collisions find_collisions(const Scene& scene, const RayCaster& caster, const Ba
   Collisions found;
   found.points.resize(batch.rays.size());
   std::vector<Ray> back;
+  back.reserve(batch.rays.size());
   for (std::size_t i = 0; i < batch.rays.size(); ++i) {
     const Vec3f& origin = batch.rays[i].origin;
     if (!batch.hits[i].escaped()) found.points[i] = surface_at(scene, batch.rays[i], batch.hits[i]);

@@ -107,6 +107,7 @@ Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader) {
   const MatrixF lights =
       training_lights(*shared_light_coefficients(reader, 3), kLightsPerRank * rank);
   std::vector<MatrixF> shapes;
+  shapes.reserve(2 * once.size());
   for (const MatrixF& x : once) shapes.emplace_back(x * lights);
   if (task.inputs.size() > 4) {
     for (const MatrixF& y : gather_all_bounces(receiver, reader, once, 4)) {

@@ -15,7 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::synthetic_room;
-using test::SyntheticRoom;
 
 /// 16-bit unit vectors are off by half an integer per component.
 constexpr float kUnitRounding = 1.0F / 32767.0F;
