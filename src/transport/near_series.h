@@ -5,8 +5,8 @@
 
 namespace prt {
 
-/// Rows of N + N² + … + N^bounces for some receivers, N(s, j) = share(s, j)·albedo_c(j): receiver r's
-/// entries are [begin[r], begin[r+1]).
+/// Rows of N + N² + … + N^bounces for some receivers, N(s, j) = share(s, j)·albedo_c(j): receiver
+/// r's entries are [begin[r], begin[r+1]).
 struct NearSeries {
   std::vector<std::uint32_t> begin;    ///< receivers + 1
   std::vector<std::uint32_t> senders;  ///< samples, each once per receiver

@@ -33,7 +33,7 @@ Artifact run_near(const TaskSpec& task, const TaskReader& reader) {
   out.put<std::uint16_t>("shares", shares, {shares.size()}, "1/65535",
                          "cosine-weighted share of the hemisphere that each fills");
   const double receivers = std::max<double>(1.0, static_cast<double>(near.begin.size()) - 1.0);
-  out.attributes = {{"cluster", task.parameters["cluster"]},
+  out.attributes = {{"cluster", task.parameters["cluster"].get<std::uint32_t>()},
                     {"samples", near.begin.size() - 1},
                     {"entries", near.senders.size()},
                     {"mean_share", all / receivers},

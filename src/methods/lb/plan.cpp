@@ -231,7 +231,7 @@ class Planner {
       }
       spec.parameters["channels"] = channels_;
       spec.parameters["near_bounces"] = near_bounces();
-      spec.version = 4;
+      spec.version = 5;
       add_compression(spec);
       spec.cost = 6e-4 * size_of(c);
     });

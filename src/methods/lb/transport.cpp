@@ -218,7 +218,7 @@ Artifact run_transfer(const TaskSpec& task, const TaskReader& reader) {
   out.attributes["cluster"] = receiver.cluster;
   out.attributes["samples"] = receiver.areas.size();
   out.attributes["probe_source"] = source;
-  out.attributes["near_bounces"] = p["near_bounces"];
+  out.attributes["near_bounces"] = p["near_bounces"].get<int>();  // as parsed, its sign would vary
   return out;
 }
 
