@@ -76,7 +76,7 @@ Patches make_patches(const SampleSet& samples) {
 
 /// What irradiance on a cluster's samples causes: once-reflected flux into every patch over the
 /// root of its area, per colour channel, sketched: kEffectRows × n_c. By reciprocity it is read off
-/// the cluster's own rays: A_s·G(j, s) dA_j = A_j·G(s, j). Entries G(j, s) above near_share are
+/// the cluster's own rays: A_j·G(j, s) = A_s·G(s, j). Entries G(j, s) above near_share are
 /// left out: they get transfer of their own (1: none does).
 MatrixF patch_effect(const Artifact& rays, const MatrixF& albedo, const SampleSet& samples,
                      std::uint32_t begin, const Patches& patches, float near_share) {
