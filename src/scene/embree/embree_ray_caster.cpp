@@ -131,6 +131,8 @@ RTCRayHit single_ray(const Ray& ray) {
   return single;
 }
 
+/// Lanes without a ray get one that Embree takes for inactive (t_near beyond t_far): below AVX-512
+/// it cuts a packet of 16 into smaller ones and looks at all lanes, whatever the mask says.
 void load_packet(std::span<const Ray> rays, RTCRay16& packet) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Ray& ray = rays[i];
@@ -142,6 +144,12 @@ void load_packet(std::span<const Ray> rays, RTCRay16& packet) {
     packet.dir_z[i] = ray.direction.z();
     packet.tnear[i] = ray.t_near;
     packet.tfar[i] = ray.t_far;
+  }
+  for (std::size_t i = rays.size(); i < kPacket; ++i) {
+    packet.org_x[i] = packet.org_y[i] = packet.org_z[i] = 0.0F;
+    packet.dir_x[i] = packet.dir_y[i] = packet.dir_z[i] = 1.0F;
+    packet.tnear[i] = 1.0F;
+    packet.tfar[i] = 0.0F;
   }
 }
 

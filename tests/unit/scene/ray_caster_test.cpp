@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/random.h"
@@ -324,6 +325,40 @@ TEST(RayCaster, PinsTheInstructionSet) {
     different += hit.triangle != lowest->intersect(ray).triangle ? 1 : 0;
   }
   EXPECT_LE(different, 2U) << "but for rays along an edge";
+}
+
+/// Leaves 3e38, which is more than Embree takes for a coordinate, where the next function's
+/// variables will lie.
+[[gnu::noinline]] void poison_stack() {
+  std::array<volatile unsigned char, 1 << 14> bytes;
+  for (auto& byte : bytes) byte = 0x7F;
+}
+
+std::vector<std::string> instruction_sets() {
+  std::vector<std::string> all = {"sse2", "sse4.2", "avx", "avx2", "avx512"};
+  all.erase(std::find(all.begin(), all.end(), best_embree_isa()) + 1, all.end());
+  return all;
+}
+
+TEST(RayCaster, PartOfAPacketIsSoundOnEveryInstructionSet) {
+  const Scene scene = triangle_soup(300);
+  for (const std::string& isa : instruction_sets()) {
+    const auto caster = make_embree_ray_caster(scene, isa);
+    for (std::size_t count = 1; count <= 17; ++count) {
+      const std::vector<Ray> rays = random_rays(count);
+      std::vector<Hit> hits(count);
+      std::vector<std::uint8_t> blocked(count);
+      poison_stack();
+      caster->intersect_coherent(rays, hits);
+      poison_stack();
+      caster->occluded(rays, blocked);
+      for (std::size_t i = 0; i < count; ++i) {
+        const Hit alone = caster->intersect(rays[i]);
+        EXPECT_EQ(hits[i].triangle, alone.triangle) << isa << ", " << count << " rays";
+        EXPECT_EQ(blocked[i] != 0, !alone.escaped()) << isa << ", " << count << " rays";
+      }
+    }
+  }
 }
 
 }  // namespace
