@@ -42,7 +42,10 @@ bool needs_header(const ManifestContents& found, const FileSystem::Path& dir, bo
     if (found.identity != identity) {
       throw UserError(dir.string() + ": holds another bake (" + found.identity + ")" + kRemedy);
     }
-    return false;
+    if (found.outdated) {
+      log::info("{}: made by an older prtbake; its artifacts will be made again", dir.string());
+    }
+    return found.outdated;
   }
   if (found.entries.empty() && !has_artifacts) {
     throw UserError((dir / kManifestName).string() + ": is no manifest of a bake" + kRemedy);
@@ -80,6 +83,10 @@ ManifestContents read_bake(FileSystem& fs, const FileSystem::Path& dir) {
   if (!contents.exists || (!contents.has_header && contents.entries.empty())) {
     throw UserError(dir.string() + ": is not the folder of a bake (no sound " + kManifestName +
                     "); give the folder that prt_bake wrote to");
+  }
+  if (contents.outdated) {
+    throw UserError(dir.string() +
+                    ": made by an older prtbake; bake again with this one, which replaces it");
   }
   return contents;
 }

@@ -43,6 +43,18 @@ void write_text(hid_t object, const std::string& name, const std::string& text) 
   write_raw(object, name, string_type(text.size()).id(), text.c_str());
 }
 
+/// JSON keeps the sign of the C++ type in memory and forgets it in text, so a number that travelled
+/// to another rank comes back as another type: only the value may decide how it is stored.
+void write_integer(hid_t object, const std::string& name, const json& value) {
+  if (value.is_number_unsigned() || value.get<std::int64_t>() >= 0) {
+    const auto v = value.get<std::uint64_t>();
+    write_raw(object, name, H5T_STD_U64LE, &v);
+  } else {
+    const auto v = value.get<std::int64_t>();
+    write_raw(object, name, H5T_STD_I64LE, &v);
+  }
+}
+
 std::string read_text(const Handle& attribute, const Handle& type) {
   if (H5Tis_variable_str(type.id()) != 0) throw UnsoundData("a string attribute is not ours");
   std::string text(H5Tget_size(type.id()), '\0');
@@ -87,12 +99,8 @@ void write_attribute(hid_t object, const std::string& name, const json& value) {
   if (value.is_boolean()) {
     const std::int8_t v = value.get<bool>() ? 1 : 0;
     write_raw(object, name, bool_type().id(), &v);
-  } else if (value.is_number_unsigned()) {
-    const auto v = value.get<std::uint64_t>();
-    write_raw(object, name, H5T_STD_U64LE, &v);
   } else if (value.is_number_integer()) {
-    const auto v = value.get<std::int64_t>();
-    write_raw(object, name, H5T_STD_I64LE, &v);
+    write_integer(object, name, value);
   } else if (value.is_number_float()) {
     const auto v = value.get<double>();
     write_raw(object, name, H5T_IEEE_F64LE, &v);

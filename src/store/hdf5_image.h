@@ -8,7 +8,8 @@
 //
 // Root attributes: schema_version, code_version, kind, key, equation. All datasets are in one group
 // named by the KEY: h5ls 1.10 tells external links apart by the path in the other file alone, and
-// follows each path once. The group's attributes are the artifact's: integers, doubles, booleans
+// follows each path once. The group's attributes are the artifact's: integers (unsigned unless
+// negative), doubles, booleans
 // (an enumeration, as h5py has it) and strings typed as such, nested values as JSON text under
 // "json:NAME". Each dataset has attributes `units` and `meaning`.
 #pragma once
@@ -23,8 +24,9 @@
 
 namespace prt {
 
-/// Version of this layout; readers refuse others.
-inline constexpr int kArtifactSchemaVersion = 2;
+/// Version of this layout; readers refuse others. Raise kManifestSchemaVersion with it: contents
+/// change, and a manifest's contents are those of its time.
+inline constexpr int kArtifactSchemaVersion = 3;
 
 /// What an artifact is and which code made it.
 struct ArtifactLabel {

@@ -73,7 +73,10 @@ class ManifestParser {
       ++contents_.damaged_lines;
     }
   }
-  ManifestContents take() { return std::move(contents_); }
+  ManifestContents take() {
+    if (contents_.outdated) contents_.entries.clear();
+    return std::move(contents_);
+  }
 
  private:
   void header(const json& record) {
@@ -85,6 +88,7 @@ class ManifestParser {
                       "); use that one, --fresh or another --out");
     }
     if (contents_.has_header) return;
+    contents_.outdated = version < kManifestSchemaVersion;
     contents_.identity = record.at("identity");
     contents_.has_header = true;
   }

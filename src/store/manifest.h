@@ -16,7 +16,9 @@
 
 namespace prt {
 
-inline constexpr int kManifestSchemaVersion = 1;
+/// Of the lines and of the artifacts they tell of. An older bake's lines count for nothing: its
+/// artifacts are made again.
+inline constexpr int kManifestSchemaVersion = 2;
 inline constexpr const char* kManifestName = "manifest.log";
 
 /// A finished task.
@@ -36,6 +38,7 @@ struct ManifestEntry {
 struct ManifestContents {
   bool exists = false;                 ///< there is a file
   bool has_header = false;             ///< with a sound header
+  bool outdated = false;               ///< of an older schema; has no entries then
   std::string identity;                ///< of the bake; empty without a header
   std::vector<ManifestEntry> entries;  ///< one per task: the last; in the order of first lines
   std::size_t damaged_lines = 0;

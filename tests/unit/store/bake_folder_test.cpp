@@ -162,9 +162,19 @@ TEST_F(BakeFolderTest, AForeignManifestIsRefusedUnlessFresh) {
   EXPECT_EQ(refusal("gallery.glb", true), "");
 }
 
+TEST_F(BakeFolderTest, AnOlderBakesEntriesCountForNothing) {
+  const std::string begun = bake_two();
+  const std::string json = R"({"identity":"gallery.glb","schema_version":1})";
+  write_text(manifest_,
+             hash_text(json).hex() + " " + json + "\n" + begun.substr(begun.find('\n') + 1));
+  EXPECT_THROW(read_bake(disk_, bake_), UserError);
+  EXPECT_TRUE(open().found().entries.empty());
+  EXPECT_FALSE(read_bake(disk_, bake_).outdated) << "it is a bake of this version now";
+}
+
 TEST_F(BakeFolderTest, ANewerManifestIsRefused) {
   fs::create_directories(bake_);
-  const std::string json = R"({"identity":"gallery.glb","schema_version":2})";
+  const std::string json = R"({"identity":"gallery.glb","schema_version":99})";
   write_text(manifest_, hash_text(json).hex() + " " + json + "\n");
   EXPECT_NE(refusal().find("made by a newer prtbake"), std::string::npos);
 }
