@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -24,8 +25,9 @@ inline OptionValues default_options(const Method& method) {
 
 class InProcessBake : public PlanInputs {
  public:
-  InProcessBake(const Scene& scene, OptionValues options)
-      : scene_(scene), caster_(make_embree_ray_caster(scene)), options_(std::move(options)) {}
+  /// `isa` as make_embree_ray_caster takes it.
+  InProcessBake(const Scene& scene, OptionValues options, const std::string& isa = "")
+      : scene_(scene), caster_(make_embree_ray_caster(scene, isa)), options_(std::move(options)) {}
 
   /// Plans and runs until the plan is complete; returns it.
   Plan run(const Method& method) {
@@ -44,9 +46,13 @@ class InProcessBake : public PlanInputs {
 
   /// Runs one task whose inputs are done.
   void run_task(const Method& method, const TaskSpec& task) {
+    run_task(task, [&](const TaskReader& reader) { return method.run(task, reader); });
+  }
+  /// The same for a task that is not the method's.
+  void run_task(const TaskSpec& task, const std::function<Artifact(const TaskReader&)>& make) {
     const Reader reader(*this, task);
     const auto start = std::chrono::steady_clock::now();
-    results_[task.id] = std::make_shared<Artifact>(method.run(task, reader));
+    results_[task.id] = std::make_shared<Artifact>(make(reader));
     seconds[task.kind] +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }

@@ -124,13 +124,44 @@ class Program {
   std::optional<int> status_;
 };
 
-/// The toy's bake, with what each test varies.
-struct ToyRun {
+/// A bake's start, with what each test varies.
+struct BakeRun {
   int ranks = 0;  ///< 0: without mpirun
   int threads = 1;
   std::vector<std::string> more = {};
   std::map<std::string, std::string> environment = {};
 };
+using ToyRun = BakeRun;
+
+/// Starts `bake` (program and arguments) on the run's ranks.
+inline std::unique_ptr<Program> start_bake(const std::vector<std::string>& bake, const BakeRun& run,
+                                           const fs::path& mpirun, const fs::path& log) {
+  std::vector<std::string> command;
+  std::map<std::string, std::string> environment = run.environment;
+  if (run.ranks > 0) {
+    command = {mpirun.string(),   "-n",        std::to_string(run.ranks),
+               "--oversubscribe", "--bind-to", "none"};
+    environment["OMPI_ALLOW_RUN_AS_ROOT"] = "1";
+    environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";
+  }
+  command.insert(command.end(), bake.begin(), bake.end());
+  command.insert(command.end(), {"--threads", std::to_string(run.threads)});
+  command.insert(command.end(), run.more.begin(), run.more.end());
+  return std::make_unique<Program>(command, log, environment);
+}
+
+/// Contents of all artifacts and the package of a bake, by path within it.
+inline std::map<std::string, std::string> bake_results(const fs::path& bake) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(bake)) {
+    const std::string extension = entry.path().extension().string();
+    const bool artifact = entry.path().string().find("/artifacts/") != std::string::npos;
+    if (entry.is_regular_file() && (artifact || extension == ".glb")) {
+      files[fs::relative(entry.path(), bake).string()] = read_text(entry.path());
+    }
+  }
+  return files;
+}
 
 class ToyFolder : public TemporaryFolder {
  public:
@@ -142,33 +173,11 @@ class ToyFolder : public TemporaryFolder {
   [[nodiscard]] fs::path bake() const { return path / "bake"; }
 
   [[nodiscard]] std::unique_ptr<Program> start(const ToyRun& run, const fs::path& mpirun) const {
-    std::vector<std::string> command;
-    std::map<std::string, std::string> environment = run.environment;
-    if (run.ranks > 0) {
-      command = {mpirun.string(),   "-n",        std::to_string(run.ranks),
-                 "--oversubscribe", "--bind-to", "none"};
-      environment["OMPI_ALLOW_RUN_AS_ROOT"] = "1";
-      environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";
-    }
-    command.push_back(std::string(PRT_BINARY_DIR) + "/bin/toy_bake");
-    command.push_back((path / "toy.yaml").string());
-    command.insert(command.end(), {"--threads", std::to_string(run.threads)});
-    command.insert(command.end(), run.more.begin(), run.more.end());
-    return std::make_unique<Program>(command, path / "log.txt", environment);
+    return start_bake({std::string(PRT_BINARY_DIR) + "/bin/toy_bake", (path / "toy.yaml").string()},
+                      run, mpirun, path / "log.txt");
   }
 
-  /// Contents of all artifacts and the package, by path within the bake.
-  [[nodiscard]] std::map<std::string, std::string> results() const {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : fs::recursive_directory_iterator(bake())) {
-      const std::string extension = entry.path().extension().string();
-      const bool artifact = entry.path().string().find("/artifacts/") != std::string::npos;
-      if (entry.is_regular_file() && (artifact || extension == ".glb")) {
-        files[fs::relative(entry.path(), bake()).string()] = read_text(entry.path());
-      }
-    }
-    return files;
-  }
+  [[nodiscard]] std::map<std::string, std::string> results() const { return bake_results(bake()); }
 
   [[nodiscard]] std::size_t count_artifacts() const {
     std::size_t count = 0;
