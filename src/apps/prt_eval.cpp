@@ -1,11 +1,10 @@
 // prt_eval: how wrong a package is, and irradiance at points, played or path traced.
 #include <cstdio>
-#include <exception>
 
+#include "apps/program.h"
 #include "apps/prt_eval_command.h"
 #include "apps/prt_eval_error.h"
 #include "apps/prt_eval_points.h"
-#include "base/error.h"
 #include "base/log.h"
 
 namespace {
@@ -27,15 +26,6 @@ prt::ExitCode run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  prt::ExitCode code = prt::ExitCode::kFailure;
-  try {
-    prt::log::set_up(0);
-    code = run(argc, argv);
-  } catch (const prt::UserError& e) {
-    std::fprintf(stderr, "prt_eval: %s\n", e.what());
-    code = prt::ExitCode::kBadInput;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "prt_eval: %s\n", e.what());
-  }
-  return static_cast<int>(code);
+  prt::log::set_up(0);
+  return prt::run_program("prt_eval", [&] { return run(argc, argv); });
 }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "apps/program.h"
 #include "base/error.h"
 
 namespace prt {
@@ -88,16 +89,7 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
       "  prt_eval --reference SCENE --points FILE.csv --light SPEC... [--spp N] [--seed S] -o "
       "OUT.csv\n"
       "Exit codes: 0 done, 2 bad command line or input, 1 anything else.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    message = app.help();
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    std::string why = e.what();
-    std::ranges::replace(why, '\n', ' ');
-    refuse(why);
-  }
+  if (!parse_arguments(app, argc, argv, message)) return std::nullopt;
   check_form(app, words);
   command.form = words.points.empty()      ? EvalCommand::Form::kError
                  : words.reference.empty() ? EvalCommand::Form::kPlayPoints

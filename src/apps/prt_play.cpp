@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/program.h"
 #include "apps/prt_play_command.h"
 #include "base/error.h"
 #include "base/image_file.h"
@@ -152,15 +152,6 @@ ExitCode run(int argc, char** argv) {
 }  // namespace prt
 
 int main(int argc, char** argv) {
-  prt::ExitCode code = prt::ExitCode::kFailure;
-  try {
-    prt::log::set_up(0);
-    code = prt::run(argc, argv);
-  } catch (const prt::UserError& e) {
-    fmt::print(stderr, "prt_play: {}\n", e.what());
-    code = prt::ExitCode::kBadInput;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "prt_play: {}\n", e.what());
-  }
-  return static_cast<int>(code);
+  prt::log::set_up(0);
+  return prt::run_program("prt_play", [&] { return prt::run(argc, argv); });
 }

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/program.h"
 #include "base/error.h"
 
 namespace prt {
@@ -121,14 +122,7 @@ std::optional<PlayCommand> parse_play_command(int argc, char** argv, std::string
   Words words;
   CLI::App app{"Shows a package under lights of your choice.", "prt_play"};
   add_options(app, words, command);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    message = app.help();
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UserError(fmt::format("command line: {}; see prt_play --help", error.what()));
-  }
+  if (!parse_arguments(app, argc, argv, message)) return std::nullopt;
   static const std::map<std::string, Show> shows = {{"full", Show::kFull},
                                                     {"direct", Show::kDirect},
                                                     {"indirect", Show::kIndirect},

@@ -13,9 +13,8 @@ using Results = std::map<std::string, std::string>;
 
 /// Small, but with several clusters, tasks of every kind and all three channels.
 const std::vector<std::string> kTiny = {
-    "samples.count=1200",  "samples.cluster_size=150", "rays.directions=256",
-    "lb.example_lights=80", "lb.photons=100000",        "evaluate.lights=2",
-    "evaluate.points=100", "evaluate.spp=4"};
+    "samples.count=1200", "samples.cluster_size=150", "rays.directions=256", "lb.example_lights=80",
+    "lb.photons=100000",  "evaluate.lights=2",        "evaluate.points=100", "evaluate.spp=4"};
 constexpr std::size_t kLeastArtifacts = 50;
 
 class LbRanks : public testing::TestWithParam<const char*> {
@@ -25,10 +24,10 @@ class LbRanks : public testing::TestWithParam<const char*> {
     run.more.insert(run.more.end(), {"--set", std::string("lb.solver=") + GetParam()});
     run.more.insert(run.more.end(), {"--out", bake(name).string()});
     const std::string source = PRT_SOURCE_DIR;
-    return test::start_bake({std::string(PRT_BINARY_DIR) + "/bin/prt_bake",
-                             source + "/configs/default.yaml", "--set",
-                             "scene=" + source + "/configs/scenes/cornell.glb"},
-                            run, PRT_MPIRUN, folder_.path / (name + ".txt"));
+    return test::start_bake(
+        {std::string(PRT_BINARY_DIR) + "/bin/prt_bake", source + "/configs/default.yaml", "--set",
+         "scene=" + source + "/configs/scenes/cornell.glb"},
+        run, PRT_MPIRUN, folder_.path / (name + ".txt"));
   }
 
   [[nodiscard]] test::fs::path bake(const std::string& name) const {

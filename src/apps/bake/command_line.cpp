@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "apps/program.h"
 #include "base/error.h"
 
 namespace prt {
@@ -43,16 +44,7 @@ std::optional<BakeCommand> parse_bake_command(int argc, char** argv,
       "Exit codes: 0 done, 2 bad command line, configuration or input, 3 interrupted (run it "
       "again to go on), 1 anything else.\n\n" +
       describe_options(methods));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    message = app.help();
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    std::string why = e.what();
-    std::ranges::replace(why, '\n', ' ');
-    throw UserError("command line: " + why + "; prt_bake --help lists all options");
-  }
+  if (!parse_arguments(app, argc, argv, message)) return std::nullopt;
   command.config = config;
   command.overrides.output = out;
   command.trace = trace;

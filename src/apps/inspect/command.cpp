@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "apps/program.h"
 #include "base/error.h"
 
 namespace prt {
@@ -54,16 +55,7 @@ std::optional<InspectCommand> parse_inspect_command(int argc, const char* const*
   app.add_option("-o,--output", command.output, "picture to write")->type_name("FILE.png");
   app.footer(
       "Exit codes: 0 done, 2 bad command line or no bake, 4 verification failed, 1 anything else.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    message = app.help();
-    return std::nullopt;
-  } catch (const CLI::ParseError& e) {
-    std::string why = e.what();
-    std::ranges::replace(why, '\n', ' ');
-    refuse(why);
-  }
+  if (!parse_arguments(app, argc, argv, message)) return std::nullopt;
   check_combination(app, command);
   return command;
 }

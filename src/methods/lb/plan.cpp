@@ -38,9 +38,8 @@ class Planner {
     plan_visibility();
     const auto albedo = in_.result(kAlbedoTask);
     if (!albedo) return;
-    const double largest = albedo->attribute<double>("largest");
-    if (largest <= 0.0) {
-      plan_.left_out.push_back({"transport", "every surface is black: there is no indirect light"});
+    if (const auto reason = no_indirect_light(*albedo)) {
+      plan_.left_out.push_back({"transport", *reason});
       plan_.complete = true;
       return;
     }
@@ -136,6 +135,14 @@ class Planner {
   [[nodiscard]] double near_share() const {
     return photons() ? 1.0 : options_.get<double>("lb.near_share");
   }
+  [[nodiscard]] std::optional<std::string> no_indirect_light(const Artifact& albedo) const {
+    if (albedo.attribute<double>("largest") <= 0.0) {
+      return "every surface is black: there is no indirect light";
+    }
+    if (bounces() == 0) return "transport.bounces is 0: no indirect light is wanted";
+    return std::nullopt;
+  }
+
   [[nodiscard]] int bounces() const {
     return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
   }

@@ -107,11 +107,11 @@ class TinyBake : public test::InProcessBake {
 json bake_by_kind(const std::string& solver) {
   const Scene scene = load_scene(std::string(PRT_SOURCE_DIR) + "/configs/scenes/cornell.glb");
   OptionValues options = test::default_options(lb_method());
-  const std::map<std::string, json> tiny = {
-      {"samples.count", 300},    {"samples.cluster_size", 75}, {"rays.directions", 64},
-      {"lb.example_lights", 40}, {"lb.light_rank", 3},         {"lb.solver", solver},
-      {"lb.photons", 20000},     {"evaluate.lights", 2},       {"evaluate.points", 20},
-      {"evaluate.spp", 4}};
+  const std::map<std::string, json> tiny = {{"samples.count", 300},  {"samples.cluster_size", 75},
+                                            {"rays.directions", 64}, {"lb.example_lights", 40},
+                                            {"lb.light_rank", 3},    {"lb.solver", solver},
+                                            {"lb.photons", 20000},   {"evaluate.lights", 2},
+                                            {"evaluate.points", 20}, {"evaluate.spp", 4}};
   for (const auto& [key, value] : tiny) options.set(key, value);
   return TinyBake(scene, options).hashes();
 }

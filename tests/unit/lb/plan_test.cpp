@@ -158,14 +158,27 @@ Scene box_of(const Vec3f& albedo) {
   return scene;
 }
 
-TEST(LbPlanner, LeavesOutTransportWhereAllIsBlack) {
-  const Scene scene = box_of(Vec3f::Zero());
-  test::InProcessBake bake(scene, tiny_bake());
+void expect_no_transport(const Scene& scene, const OptionValues& options) {
+  test::InProcessBake bake(scene, options);
   const Plan plan = bake.run(lb_method());
   EXPECT_TRUE(left_out(plan, "transport"));
   for (const TaskSpec& task : plan.tasks) {
-    EXPECT_NE(task.kind, "transfer");
+    EXPECT_EQ(task.kind.find("transfer"), std::string::npos) << task.kind;
     EXPECT_NE(task.kind, "snapshot");
+    EXPECT_NE(task.kind, "light_basis");
+  }
+}
+
+TEST(LbPlanner, LeavesOutTransportWhereAllIsBlack) {
+  expect_no_transport(box_of(Vec3f::Zero()), tiny_bake());
+}
+
+TEST(LbPlanner, LeavesOutTransportWhereNoBounceIsWanted) {
+  for (const char* solver : {"gather", "photons"}) {
+    OptionValues options = tiny_bake();
+    options.set("lb.solver", solver);
+    options.set("transport.bounces", 0);
+    expect_no_transport(closed_box(), options);
   }
 }
 
