@@ -41,8 +41,7 @@ inline bool parse_arguments(CLI::App& app, int argc, const char* const* argv,
   } catch (const CLI::ParseError& e) {
     std::string why = e.what();
     std::ranges::replace(why, '\n', ' ');
-    throw UserError("command line: " + why + "; " + app.get_name() +
-                    " --help lists all options");
+    throw UserError("command line: " + why + "; " + app.get_name() + " --help lists all options");
   }
   return false;
 }

@@ -21,7 +21,7 @@ class BakeEvaluator : public BakeErrorMeter {
                                 method_plan.complete ? &method_plan.results : nullptr);
     // The package that is judged depends on options, too, not on artifacts alone.
     for (TaskSpec& task : plan.tasks) {
-      if (task.kind == kEvaluateKind) task.parameters["options"] = options.all();
+      if (task.kind == kEvaluateKind) task.parameters["options"] = options_of_results(options);
     }
     return plan;
   }

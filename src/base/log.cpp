@@ -4,8 +4,16 @@
 #include <spdlog/spdlog.h>
 
 #include <memory>
+#include <utility>
 
 namespace prt::log {
+
+namespace {
+thread_local std::string subject;
+}  // namespace
+
+Subject::Subject(const std::string& name) : before_(std::exchange(subject, name)) {}
+Subject::~Subject() { subject = std::move(before_); }
 
 void set_up(int verbosity, int rank) {
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
@@ -22,7 +30,8 @@ void set_up(int verbosity, int rank) {
 void write(Level level, const std::string& line) {
   constexpr spdlog::level::level_enum kLevels[] = {spdlog::level::debug, spdlog::level::info,
                                                    spdlog::level::warn, spdlog::level::err};
-  spdlog::log(kLevels[static_cast<int>(level)], spdlog::string_view_t(line));
+  const std::string full = subject.empty() ? line : subject + ": " + line;
+  spdlog::log(kLevels[static_cast<int>(level)], spdlog::string_view_t(full));
 }
 
 }  // namespace prt::log

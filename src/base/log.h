@@ -13,6 +13,18 @@ enum class Level { kDebug, kInfo, kWarn, kError };
 /// debug. `rank` < 0: not shown.
 void set_up(int verbosity, int rank = -1);
 
+/// While it lives, lines of this thread name what it works on: "rays/0007: ...".
+class Subject {
+ public:
+  explicit Subject(const std::string& name);
+  ~Subject();
+  Subject(const Subject&) = delete;
+  Subject& operator=(const Subject&) = delete;
+
+ private:
+  std::string before_;
+};
+
 /// Writes one line, unless the verbosity hides its level.
 void write(Level level, const std::string& line);
 

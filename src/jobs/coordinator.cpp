@@ -63,6 +63,10 @@ void Coordinator::on(const WorkerLost& event) {
 }
 
 void Coordinator::on(const Tick& event) {
+  if (!clock_started_) {  // whoever spoke before there was a time speaks now
+    for (auto& [id, worker] : workers_) worker.heard = event.now;
+  }
+  clock_started_ = true;
   now_ = std::max(now_, event.now);
   if (settings_.lease_seconds <= 0.0) return;
   std::vector<WorkerId> silent;
@@ -286,7 +290,7 @@ void Coordinator::distrust(std::size_t reader, std::size_t index) {
 // ---- decisions ---------------------------------------------------------------------------------
 
 void Coordinator::hand_out() {
-  while (!stopped_ && !ready_.empty()) {
+  while (!stopped_ && !draining_ && !ready_.empty()) {
     const std::size_t first = *ready_.begin();
     if (spare(first)) continue;
     if (free_.empty()) return;
@@ -324,7 +328,14 @@ void Coordinator::assign(std::size_t index, WorkerId id) {
 }
 
 void Coordinator::announce() {
-  if (stopped_ || announced_ || undone_ > 0) return;
+  if (stopped_) return;
+  if (draining_) {
+    if (ranks().busy > 0) return;
+    stopped_ = true;
+    commands_.emplace_back(Drained{});
+    return;
+  }
+  if (announced_ || undone_ > 0) return;
   announced_ = true;
   if (last_plan_) {
     commands_.emplace_back(AllDone{});
@@ -345,11 +356,29 @@ void Coordinator::on(const StopRequested& event) {
   for (const auto& [id, worker] : workers_) commands_.emplace_back(Dismiss{id, event.code});
 }
 
+void Coordinator::on(const DrainRequested&) { draining_ = true; }
+
 // ---- questions ---------------------------------------------------------------------------------
 
 std::vector<std::pair<std::string, StageProgress>> Coordinator::progress() const {
   std::vector<std::pair<std::string, StageProgress>> all;
   for (const std::string& stage : stages_) all.emplace_back(stage, stage_progress_.at(stage));
+  return all;
+}
+
+RankCounts Coordinator::ranks() const {
+  RankCounts counts;
+  for (const auto& [id, worker] : workers_) {
+    ++(!worker.present ? counts.lost : worker.tasks.empty() ? counts.idle : counts.busy);
+  }
+  return counts;
+}
+
+std::vector<WorkerId> Coordinator::lost() const {
+  std::vector<WorkerId> all;
+  for (const auto& [id, worker] : workers_) {
+    if (!worker.present) all.push_back(id);
+  }
   return all;
 }
 

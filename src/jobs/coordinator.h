@@ -28,6 +28,13 @@ struct StageProgress {
   double cost_adopted = 0.0;  ///< of cost_done
 };
 
+/// Workers that ever joined, by what they are now.
+struct RankCounts {
+  int busy = 0;  ///< run a task
+  int idle = 0;
+  int lost = 0;
+};
+
 class Coordinator {
  public:
   struct Settings {
@@ -47,6 +54,9 @@ class Coordinator {
   /// Progress by stage, in order of first appearance.
   [[nodiscard]] std::vector<std::pair<std::string, StageProgress>> progress() const;
   [[nodiscard]] std::size_t undone() const { return undone_; }
+  [[nodiscard]] RankCounts ranks() const;
+  /// Workers that are taken for lost.
+  [[nodiscard]] std::vector<WorkerId> lost() const;
   /// Where the artifact of a finished task lies; empty while the task is unknown or not done.
   [[nodiscard]] std::optional<TaskInput> result(const std::string& task) const;
 
@@ -90,6 +100,7 @@ class Coordinator {
   void on(const WorkerLost& event);
   void on(const Tick& event);
   void on(const StopRequested& event);
+  void on(const DrainRequested& event);
 
   void hear(WorkerId worker);
   bool add_task(const TaskSpec& spec);
@@ -126,9 +137,11 @@ class Coordinator {
   /// How often a reader could not trust a task's artifact; the planner counts as the task itself.
   std::map<std::pair<std::size_t, std::size_t>, int> distrust_;
   double now_ = 0.0;
+  bool clock_started_ = false;
   bool last_plan_ = false;
   bool announced_ = true;
   bool stopped_ = false;
+  bool draining_ = false;
   bool failed_ = false;
   std::vector<Command> commands_;
 };

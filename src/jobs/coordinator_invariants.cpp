@@ -22,7 +22,8 @@ void Coordinator::check_invariants() const {
   }
   require(undone == undone_, "count of undone tasks");
   check_workers();
-  require(stopped_ || ready_.empty() || free_.empty(), "a ready task waits beside a free worker");
+  require(stopped_ || draining_ || ready_.empty() || free_.empty(),
+          "a ready task waits beside a free worker");
 }
 
 void Coordinator::check_task(std::size_t index) const {

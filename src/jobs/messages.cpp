@@ -83,6 +83,8 @@ json encode(const StopRequested& e) {
   return {{"type", "stop"}, {"code", static_cast<int>(e.code)}};
 }
 
+json encode(const DrainRequested&) { return {{"type", "drain"}}; }
+
 template <typename T>
 json encode(const T&) {
   throw std::logic_error("an event that never travels");
@@ -105,6 +107,7 @@ Event decode_event(const json& j) {
   if (type == "alive") return Heartbeat{j.at("worker")};
   if (type == "unsound") return InputUnsound{j.at("worker"), j.at("task"), j.at("input")};
   if (type == "stop") return StopRequested{static_cast<ExitCode>(j.at("code").get<int>())};
+  if (type == "drain") return DrainRequested{};
   if (type == "failed") {
     return TaskFailed{j.at("worker"), j.at("task"), j.at("message"), j.at("user_error")};
   }
@@ -114,6 +117,7 @@ Event decode_event(const json& j) {
 Order decode(const json& j) {
   const std::string type = j.at("type");
   if (type == "assign") return decode_assignment(j);
+  if (type == "here") return StillHere{};
   if (type == "dismiss") return Dismissed{static_cast<ExitCode>(j.at("code").get<int>())};
   throw UnsoundData("message of unknown type '" + type + "'");
 }
@@ -130,6 +134,7 @@ std::string encode_order(const Order& order) {
   if (const auto* dismissed = std::get_if<Dismissed>(&order)) {
     return json{{"type", "dismiss"}, {"code", static_cast<int>(dismissed->code)}}.dump();
   }
+  if (std::holds_alternative<StillHere>(order)) return json{{"type", "here"}}.dump();
   return encode(std::get<Assignment>(order)).dump();
 }
 

@@ -13,14 +13,16 @@ namespace prt {
 struct Dismissed {
   ExitCode code = ExitCode::kDone;
 };
-using Order = std::variant<Assignment, Dismissed>;
+/// The coordinator is alive.
+struct StillHere {};
+using Order = std::variant<Assignment, Dismissed, StillHere>;
 
 std::string encode_order(const Order& order);
 /// Throws UnsoundData for anything that is not a message of ours.
 Order decode_order(const std::string& text);
 
 /// Events that a worker sends to its coordinator: WorkerJoined, TaskDone, TaskFailed, InputUnsound,
-/// Heartbeat, and StopRequested (the worker was told to stop by a signal).
+/// Heartbeat, and StopRequested or DrainRequested (a signal told the worker so).
 std::string encode_report(const Event& event);
 Event decode_report(const std::string& text);
 

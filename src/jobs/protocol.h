@@ -79,8 +79,12 @@ struct StopRequested {
   ExitCode code = ExitCode::kInterrupted;
 };
 
-using Event = std::variant<WorkerJoined, TasksAdded, TaskDone, TaskFailed, InputUnsound,
-                           ResultUnsound, Heartbeat, WorkerLost, Tick, StopRequested>;
+/// Hand out no more, but let running tasks end: a scheduler's warning.
+struct DrainRequested {};
+
+using Event =
+    std::variant<WorkerJoined, TasksAdded, TaskDone, TaskFailed, InputUnsound, ResultUnsound,
+                 Heartbeat, WorkerLost, Tick, StopRequested, DrainRequested>;
 
 // ---- commands ----------------------------------------------------------------------------------
 
@@ -121,7 +125,9 @@ struct Dismiss {
   WorkerId worker = 0;
   ExitCode code = ExitCode::kDone;
 };
+/// After DrainRequested: no task runs any more.
+struct Drained {};
 
-using Command = std::variant<Assign, Record, StageDone, AllDone, Fail, Dismiss>;
+using Command = std::variant<Assign, Record, StageDone, AllDone, Fail, Dismiss, Drained>;
 
 }  // namespace prt

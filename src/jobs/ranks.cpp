@@ -17,6 +17,7 @@ class SingleRank : public Ranks {
   Link& link() override { return link_; }
   void finish() override {}
   [[noreturn]] void abort(int code) override { std::_Exit(code); }
+  [[noreturn]] void abort_without(const std::vector<int>&, int code) override { abort(code); }
 
  private:
   NoLink link_;

@@ -27,6 +27,10 @@ class Ranks {
   virtual void finish() = 0;
   /// Ends the whole job now.
   [[noreturn]] virtual void abort(int code) = 0;
+  /// The same where some ranks do not answer: first those of them on this machine are killed, as
+  /// the launcher would wait for one that hangs. One that hangs on another machine is left to
+  /// whoever watches the launcher.
+  [[noreturn]] virtual void abort_without(const std::vector<int>& lost, int code) = 0;
 };
 
 /// One process without mpirun; needs no MPI.

@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <deque>
+#include <limits>
+#include <utility>
 
 namespace prt {
 
@@ -20,6 +22,10 @@ double monotonic_seconds() {
 
 bool stop_wanted(const ServiceSettings& settings) {
   return settings.stop != nullptr && settings.stop->load();
+}
+
+bool drain_wanted(const ServiceSettings& settings) {
+  return settings.drain != nullptr && settings.drain->load();
 }
 
 void wait_for_news(const Link& link, Slots& slots) {
@@ -41,14 +47,20 @@ class CoordinatorLoop {
     events_.push_back(host_.plan_on(coordinator_));
     while (!end_) {
       const double now = monotonic_seconds();
-      if (stop_wanted(settings)) return {ExitCode::kInterrupted, ""};
+      if (stop_wanted(settings) || now > drain_until_) return {ExitCode::kInterrupted, ""};
+      if (drain_wanted(settings)) events_.emplace_back(DrainRequested{});
       events_.emplace_back(Heartbeat{kCoordinatorRank});
-      events_.emplace_back(Tick{now});
+      // What came in while we were busy counts before time does, or everybody seems silent.
       gather();
+      events_.emplace_back(Tick{now});
+      tell_alive(now, settings.heartbeat_seconds);
       while (!events_.empty() && !end_) {
         const Event event = std::move(events_.front());
         events_.pop_front();
         if (const auto* stop = std::get_if<StopRequested>(&event)) return {stop->code, ""};
+        if (std::holds_alternative<DrainRequested>(event)) {
+          drain_until_ = std::min(drain_until_, now + settings.grace_seconds);
+        }
         for (const Command& command : coordinator_.handle(event)) obey(command);
       }
       host_.tick(coordinator_, now);
@@ -58,6 +70,14 @@ class CoordinatorLoop {
   }
 
  private:
+  void tell_alive(double now, double every) {
+    if (now - told_ < every) return;
+    told_ = now;
+    for (WorkerId rank = kCoordinatorRank + 1; rank < link_.size(); ++rank) {
+      link_.send(rank, encode_order(StillHere{}));
+    }
+  }
+
   void gather() {
     for (const SlotFinished& finished : slots_.take_finished()) act(worker_.handle(finished));
     while (const auto message = link_.poll()) events_.push_back(decode_report(message->text));
@@ -90,6 +110,8 @@ class CoordinatorLoop {
       } else {
         end_ = LoopEnd{};
       }
+    } else if (std::holds_alternative<Drained>(command)) {
+      end_ = LoopEnd{ExitCode::kInterrupted, ""};
     } else if (const auto* fail = std::get_if<Fail>(&command)) {
       end_ = LoopEnd{fail->user_error ? ExitCode::kBadInput : ExitCode::kFailure, fail->message};
     }
@@ -102,6 +124,8 @@ class CoordinatorLoop {
   Worker worker_;
   std::deque<Event> events_;
   std::optional<LoopEnd> end_;
+  double told_ = 0.0;
+  double drain_until_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
@@ -120,7 +144,8 @@ void dismiss_all(Link& link, ExitCode code) {
 }
 
 ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings) {
-  Worker worker(link.rank(), slots.count(), settings.heartbeat_seconds);
+  Worker worker(link.rank(), slots.count(), settings.heartbeat_seconds, settings.patience_seconds);
+  bool told_to_drain = false;
   std::optional<ExitCode> end;
   const auto act = [&](const std::vector<WorkerAction>& actions) {
     for (const WorkerAction& action : actions) {
@@ -138,6 +163,9 @@ ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings) {
     if (stop_wanted(settings)) {
       link.send(kCoordinatorRank, encode_report(StopRequested{}));
       return ExitCode::kInterrupted;
+    }
+    if (drain_wanted(settings) && !std::exchange(told_to_drain, true)) {
+      link.send(kCoordinatorRank, encode_report(DrainRequested{}));
     }
     for (const SlotFinished& finished : slots.take_finished()) act(worker.handle(finished));
     while (const auto message = link.poll()) act(worker.handle(decode_order(message->text)));

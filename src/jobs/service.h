@@ -33,9 +33,16 @@ struct LoopEnd {
 };
 
 struct ServiceSettings {
+  /// Coordinator and workers tell each other at least that often that they are there.
   double heartbeat_seconds = 5.0;
+  /// A worker that hears nothing from its coordinator for longer goes home. Long: the coordinator
+  /// is silent while it plans and writes results.
+  double patience_seconds = 600.0;
   /// Set by a signal handler: leave everything resumable and end with ExitCode::kInterrupted.
   const std::atomic<bool>* stop = nullptr;
+  /// Set by a signal handler: the same, once running tasks are done.
+  const std::atomic<bool>* drain = nullptr;
+  double grace_seconds = 30.0;  ///< how long draining may take
 };
 
 /// Rank 0: coordinates and works too. Returns when all is done, failed or stopped. Exceptions of

@@ -5,8 +5,11 @@
 
 namespace prt {
 
-Worker::Worker(WorkerId id, int slots, double heartbeat_seconds)
-    : id_(id), slots_(std::max(1, slots)), heartbeat_seconds_(heartbeat_seconds) {
+Worker::Worker(WorkerId id, int slots, double heartbeat_seconds, double patience_seconds)
+    : id_(id),
+      slots_(std::max(1, slots)),
+      heartbeat_seconds_(heartbeat_seconds),
+      patience_seconds_(patience_seconds) {
   for (int slot = 0; slot < slots_; ++slot) idle_.insert(slot);
 }
 
@@ -25,6 +28,8 @@ bool Worker::has(const std::string& task) const {
 }
 
 void Worker::on(const Order& order, std::vector<WorkerAction>& actions) {
+  heard_ = now_;
+  if (std::holds_alternative<StillHere>(order)) return;
   if (const auto* dismissed = std::get_if<Dismissed>(&order)) {
     leaving_ = true;
     waiting_.clear();
@@ -73,6 +78,14 @@ void Worker::on(const SlotFinished& finished, std::vector<WorkerAction>& actions
 }
 
 void Worker::on(const Tick& tick, std::vector<WorkerAction>& actions) {
+  if (now_ == 0.0) heard_ = tick.now;
+  now_ = tick.now;
+  if (patience_seconds_ > 0.0 && now_ - heard_ > patience_seconds_ && !leaving_) {
+    leaving_ = true;
+    waiting_.clear();
+    actions.emplace_back(Leave{ExitCode::kInterrupted});
+    return;
+  }
   if (heartbeat_seconds_ <= 0.0 || tick.now - told_ < heartbeat_seconds_) return;
   told_ = tick.now;
   actions.emplace_back(Report{Heartbeat{id_}});

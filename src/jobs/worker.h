@@ -52,7 +52,9 @@ using WorkerAction = std::variant<Start, Report, Leave>;
 class Worker {
  public:
   /// `heartbeat_seconds`: it tells at least that often that it is alive; 0: never.
-  Worker(WorkerId id, int slots, double heartbeat_seconds = 0.0);
+  /// `patience_seconds`: it leaves, interrupted, when it has heard nothing from the coordinator for
+  /// longer; 0: it waits for ever.
+  Worker(WorkerId id, int slots, double heartbeat_seconds = 0.0, double patience_seconds = 0.0);
 
   /// First thing to report.
   [[nodiscard]] WorkerJoined join() const;
@@ -68,7 +70,10 @@ class Worker {
   WorkerId id_;
   int slots_;
   double heartbeat_seconds_;
+  double patience_seconds_;
   double told_ = 0.0;
+  double now_ = 0.0;
+  double heard_ = 0.0;
   bool leaving_ = false;
   std::set<int> idle_;
   std::map<int, Assignment> running_;  ///< by slot

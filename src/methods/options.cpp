@@ -207,7 +207,33 @@ std::vector<OptionSpec> shared_options() {
        "",
        "needed: an artifact goes once all that read it are done",
        "ours"},
+      {"jobs.lease",
+       Type::kNumber,
+       30.0,
+       0.5,
+       86'400.0,
+       {},
+       "s",
+       "a rank that is silent for longer is taken for lost, and its tasks go to others",
+       "ours"},
+      {"jobs.grace",
+       Type::kNumber,
+       30.0,
+       0.0,
+       86'400.0,
+       {},
+       "s",
+       "after SIGUSR1 running tasks may take so long to end",
+       "ours"},
   };
+}
+
+std::map<std::string, nlohmann::json> options_of_results(const OptionValues& options) {
+  std::map<std::string, nlohmann::json> values = options.all();
+  std::erase_if(values, [](const auto& value) {
+    return value.first.starts_with("store.") || value.first.starts_with("jobs.");
+  });
+  return values;
 }
 
 }  // namespace prt

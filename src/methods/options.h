@@ -47,7 +47,10 @@ std::string expected_value(const OptionSpec& spec);
 void check_option(const OptionSpec& spec, const nlohmann::json& value, const std::string& where);
 
 /// Options that all methods share: seed, samples.*, rays.*, transport.*, compression.*, evaluate.*,
-/// store.*.
+/// store.*, jobs.*.
 std::vector<OptionSpec> shared_options();
+
+/// The values that results may depend on: all but store.* and jobs.*.
+std::map<std::string, nlohmann::json> options_of_results(const OptionValues& options);
 
 }  // namespace prt

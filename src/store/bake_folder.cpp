@@ -3,6 +3,8 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
+#include <thread>
 
 #include "base/log.h"
 
@@ -18,9 +20,17 @@ std::string this_process() {
   return "process " + std::to_string(::getpid()) + " on " + host.data();
 }
 
+/// A killed bake's lock goes with its last process, which takes the kernel a moment.
+constexpr std::chrono::milliseconds kLockPatience{2000};
+constexpr std::chrono::milliseconds kLockInterval{50};
+
 std::unique_ptr<FileLock> take_lock(FileSystem& fs, const FileSystem::Path& dir) {
   const auto path = dir / kLockName;
-  if (auto lock = fs.lock(path, this_process())) return lock;
+  const auto until = std::chrono::steady_clock::now() + kLockPatience;
+  do {
+    if (auto lock = fs.lock(path, this_process())) return lock;
+    std::this_thread::sleep_for(kLockInterval);
+  } while (std::chrono::steady_clock::now() < until);
   const auto owner = fs.read(path);
   throw UserError(dir.string() + ": another bake is writing here (" +
                   std::string(reinterpret_cast<const char*>(owner.data()), owner.size()) +
@@ -31,6 +41,7 @@ std::unique_ptr<FileLock> take_lock(FileSystem& fs, const FileSystem::Path& dir)
 void remove_bake(FileSystem& fs, const FileSystem::Path& dir, ArtifactStore& store) {
   fs.remove(dir / kManifestName);
   fs.remove(dir / kIndexName);
+  fs.remove(dir / kProgressName);
   store.remove_all();
 }
 

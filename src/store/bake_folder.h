@@ -12,6 +12,8 @@ namespace prt {
 /// Names in a bake's folder, beside artifacts/ and the manifest.
 inline constexpr const char* kIndexName = "bake.h5";
 inline constexpr const char* kLockName = "bake.lock";
+/// How far a running bake is, for onlookers; nothing depends on it (apps/bake/status.h).
+inline constexpr const char* kProgressName = "progress.json";
 
 /// A folder that this process alone bakes into, as its coordinator; workers use an ArtifactStore of
 /// their own on the same path.

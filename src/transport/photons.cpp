@@ -1,6 +1,7 @@
 #include "transport/photons.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "base/random.h"
@@ -100,76 +101,112 @@ bool reflect(Photon& photon, const Vec3f& albedo) {
   return true;
 }
 
+/// The photons of one sender cluster, flown batch by batch.
+class PhotonFlight {
+ public:
+  PhotonFlight(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
+               const SenderSearch& search, const MatrixF& functions, int channels, int bounces)
+      : scene_(scene),
+        caster_(caster),
+        search_(search),
+        columns_(functions.transpose()),
+        channels_(channels),
+        bounces_(bounces),
+        power_(MatrixD::Zero(static_cast<Eigen::Index>(samples.size()),
+                             channels * functions.rows())) {}
+
+  /// Sends a photon on from a point, if it survives reflection there.
+  void reflect_at(Photon photon, const SurfacePoint& point) {
+    if (!reflect(photon, albedo_at(scene_, point.triangle, point.u, point.v))) return;
+    const float u = photon.random.uniform();
+    const float v = photon.random.uniform();
+    rays_.push_back({offset_origin(scene_, point.position, point.normal),
+                     cosine_direction(point.normal, u, v)});
+    photons_.push_back(photon);
+  }
+
+  /// Flies all that are on their way until none is left.
+  void fly() {
+    while (!rays_.empty()) {
+      hits_.resize(rays_.size());
+      caster_.intersect_incoherent(rays_, hits_);
+      const std::vector<Ray> flown = std::exchange(rays_, {});
+      const std::vector<Photon> travellers = std::exchange(photons_, {});
+      for (std::size_t i = 0; i < flown.size(); ++i) arrive(travellers[i], flown[i], hits_[i]);
+    }
+  }
+
+  /// Photons' values by sample, channels side by side; samples × (channels · functions).
+  [[nodiscard]] const MatrixD& power() const { return power_; }
+
+  std::uint64_t flights = 0, escaped = 0, lost = 0;
+
+ private:
+  void arrive(Photon photon, const Ray& ray, const Hit& hit) {
+    ++flights;
+    if (hit.escaped()) {
+      ++escaped;
+      return;
+    }
+    ++photon.flights;
+    const SurfacePoint point = surface_at(scene_, ray, hit);
+    const std::uint32_t receiver = search_.find(point);
+    if (receiver == kNone) {
+      ++lost;
+    } else {
+      deposit(photon, receiver);
+    }
+    if (bounces_ < 0 || photon.flights < bounces_) reflect_at(photon, point);
+  }
+
+  void deposit(const Photon& photon, std::uint32_t receiver) {
+    const Eigen::Index k = columns_.cols();
+    for (int c = 0; c < channels_; ++c) {
+      power_.row(receiver).segment(c * k, k) +=
+          (photon.weight[c] * columns_.row(photon.origin)).cast<double>();
+    }
+  }
+
+  const Scene& scene_;
+  const RayCaster& caster_;
+  const SenderSearch& search_;
+  MatrixF columns_;  ///< one row per sample of the cluster
+  int channels_;
+  int bounces_;
+  MatrixD power_;
+  std::vector<Photon> photons_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> hits_;
+};
+
 }  // namespace
 
 PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
                              const SenderSearch& search, const CellPoints& points,
                              std::uint32_t cluster, const MatrixF& functions, int channels,
                              const PhotonSettings& settings) {
-  const Eigen::Index k = functions.rows();
-  PhotonTransfer out;
-  MatrixD power = MatrixD::Zero(static_cast<Eigen::Index>(samples.size()), channels * k);
   const CellEmitter emitter(scene, samples, points, cluster);
-  const MatrixF columns = functions.transpose();  // one row per sample of the cluster
-  std::vector<Photon> photons;
-  std::vector<Ray> rays;
-  std::vector<Hit> hits;
-  const auto launch = [&](Photon photon, const SurfacePoint& point) {
-    const float u = photon.random.uniform();
-    const float v = photon.random.uniform();
-    rays.push_back(
-        {offset_origin(scene, point.position, point.normal), cosine_direction(point.normal, u, v)});
-    photons.push_back(photon);
-  };
+  PhotonFlight flight(scene, caster, samples, search, functions, channels, settings.bounces);
   for (std::uint64_t first = 0; first < settings.photons; first += kPhotonBatch) {
-    photons.clear();
-    rays.clear();
     for (std::uint64_t i = first; i < std::min(first + kPhotonBatch, settings.photons); ++i) {
       Photon photon{Random(settings.stream, i), 0, Vec3f::Ones(), 0};
       const double share = (static_cast<double>(i) + photon.random.uniform()) /
                            static_cast<double>(settings.photons);
       const auto start = emitter.draw(share);
       photon.origin = start.sample - samples.cluster_begin[cluster];
-      if (reflect(photon, albedo_at(scene, start.point.triangle, start.point.u, start.point.v))) {
-        launch(photon, start.point);
-      }
+      flight.reflect_at(photon, start.point);
     }
-    while (!rays.empty()) {
-      hits.resize(rays.size());
-      caster.intersect_incoherent(rays, hits);
-      const std::vector<Ray> flown = std::move(rays);
-      const std::vector<Photon> travellers = std::move(photons);
-      rays.clear();
-      photons.clear();
-      for (std::size_t i = 0; i < flown.size(); ++i) {
-        ++out.flights;
-        if (hits[i].escaped()) {
-          ++out.escaped;
-          continue;
-        }
-        Photon photon = travellers[i];
-        ++photon.flights;
-        const SurfacePoint point = surface_at(scene, flown[i], hits[i]);
-        const std::uint32_t receiver = search.find(point);
-        if (receiver == kNone) {
-          ++out.lost;
-        } else {
-          for (int c = 0; c < channels; ++c) {
-            power.row(receiver).segment(c * k, k) +=
-                (photon.weight[c] * columns.row(photon.origin)).cast<double>();
-          }
-        }
-        if (settings.bounces >= 0 && photon.flights >= settings.bounces) continue;
-        if (reflect(photon, albedo_at(scene, point.triangle, point.u, point.v)))
-          launch(photon, point);
-      }
-    }
+    flight.fly();
   }
   const double per_photon =
       emitter.area() / static_cast<double>(std::max<std::uint64_t>(1, settings.photons));
   VectorD density(samples.size());
   for (std::size_t s = 0; s < samples.size(); ++s) density[s] = per_photon / samples.areas[s];
-  out.irradiance = (density.asDiagonal() * power).cast<float>();
+  PhotonTransfer out;
+  out.irradiance = (density.asDiagonal() * flight.power()).cast<float>();
+  out.flights = flight.flights;
+  out.escaped = flight.escaped;
+  out.lost = flight.lost;
   return out;
 }
 

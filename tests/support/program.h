@@ -106,6 +106,7 @@ class Program {
     return status_.has_value();
   }
 
+  [[nodiscard]] pid_t process() const { return process_; }
   void send(int signal) const { kill(process_, signal); }
 
   /// SIGKILL to every process of the job at once, as a failing machine would.
@@ -130,6 +131,7 @@ struct BakeRun {
   int threads = 1;
   std::vector<std::string> more = {};
   std::map<std::string, std::string> environment = {};
+  std::vector<std::string> mpirun_options = {};
 };
 using ToyRun = BakeRun;
 
@@ -141,6 +143,7 @@ inline std::unique_ptr<Program> start_bake(const std::vector<std::string>& bake,
   if (run.ranks > 0) {
     command = {mpirun.string(),   "-n",        std::to_string(run.ranks),
                "--oversubscribe", "--bind-to", "none"};
+    command.insert(command.end(), run.mpirun_options.begin(), run.mpirun_options.end());
     environment["OMPI_ALLOW_RUN_AS_ROOT"] = "1";
     environment["OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"] = "1";
   }

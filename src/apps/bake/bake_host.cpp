@@ -7,13 +7,14 @@
 
 namespace prt {
 
-Host::Host(Planner& planner, BakeFolder& folder, WriteResults write_results, bool keep_all,
-           int verbosity)
+Host::Host(Planner& planner, FileSystem& fs, BakeFolder& folder, WriteResults write_results,
+           bool keep_all, int verbosity)
     : planner_(planner),
       folder_(folder),
       write_results_(std::move(write_results)),
       keep_all_(keep_all),
       progress_(verbosity),
+      status_(fs, folder.path()),
       history_(folder.found().entries) {}
 
 void Host::record(const Record& record) {
@@ -84,13 +85,18 @@ std::optional<Event> Host::finish(const Coordinator& coordinator) {
     log::warn("{}; it will be made again", e.what());
     return ResultUnsound{e.task};
   }
+  status_.finish(coordinator);
   return std::nullopt;
 }
 
 void Host::tick(const Coordinator& coordinator, double now) {
   now_ = now;
   folder_.manifest().sync_if_due(now);
+  const int lost = coordinator.ranks().lost;
+  if (lost > lost_) log::warn("{} rank(s) are silent; others take over their tasks", lost);
+  lost_ = lost;
   progress_.tick(coordinator, now);
+  status_.tick(coordinator, now);
 }
 
 }  // namespace prt

@@ -11,6 +11,7 @@
 #include "apps/bake/history.h"
 #include "apps/bake/planner.h"
 #include "apps/bake/progress.h"
+#include "apps/bake/status.h"
 #include "jobs/service.h"
 #include "store/bake_folder.h"
 
@@ -22,8 +23,8 @@ class Host : public BakeHost {
   using WriteResults = std::function<void(const Host& host, const FindResult& find)>;
 
   /// `keep_all`: no artifact is let go (store.keep).
-  Host(Planner& planner, BakeFolder& folder, WriteResults write_results, bool keep_all,
-       int verbosity);
+  Host(Planner& planner, FileSystem& fs, BakeFolder& folder, WriteResults write_results,
+       bool keep_all, int verbosity);
 
   void record(const Record& record) override;
   Event plan_on(const Coordinator& coordinator) override;
@@ -43,9 +44,11 @@ class Host : public BakeHost {
   WriteResults write_results_;
   bool keep_all_;
   Progress progress_;
+  StatusFile status_;
   History history_;
   BakePlan plan_;
   std::size_t planned_ = 0;
+  int lost_ = 0;
   double now_ = 0.0;
   std::map<std::string, TaskSpec> specs_;
   std::map<std::string, std::size_t> unfinished_readers_;  // by task, once the plan is complete

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 
 #include "apps/bake/history.h"
@@ -57,6 +58,8 @@ BakeRunner::BakeRunner(const BakeWorld& world) : world_(world), cache_(world.sto
 
 TaskRunner::Made BakeRunner::run(const Assignment& assignment, const std::atomic<bool>& stop) {
   const TaskSpec& task = assignment.task;
+  const log::Subject subject(task.id);
+  const auto began = std::chrono::steady_clock::now();
   Made made;
   if (const auto content = adopt(assignment)) {
     made.content = *content;
@@ -69,6 +72,9 @@ TaskRunner::Made BakeRunner::run(const Assignment& assignment, const std::atomic
   }
   made.bytes = world_.store.bytes(task.kind, assignment.key);
   stay_small();
+  log::debug("{} in {:.3f} s, {} bytes", made.adopted ? "found" : "made",
+             std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
+             made.bytes);
   return made;
 }
 

@@ -30,6 +30,11 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kInterruptedWithin{700};
 constexpr std::chrono::milliseconds kFailedWithin{5000};
 
+/// One late message is no silence.
+constexpr double kHeartbeatsPerLease = 6.0;
+/// The coordinator is silent while it plans and writes results.
+constexpr double kLeasesOfPatience = 20.0;
+
 void leave_soon(ExitCode code) {
   if (code == ExitCode::kInterrupted) end_within(kInterruptedWithin, code);
   if (code == ExitCode::kFailure || code == ExitCode::kBadInput) end_within(kFailedWithin, code);
@@ -149,6 +154,10 @@ class Session {
   [[nodiscard]] ServiceSettings service_settings() const {
     ServiceSettings settings;
     settings.stop = &stop_flag();
+    settings.drain = &drain_flag();
+    settings.grace_seconds = config_.options.get<double>("jobs.grace");
+    settings.heartbeat_seconds = lease() / kHeartbeatsPerLease;
+    settings.patience_seconds = lease() * kLeasesOfPatience;
     return settings;
   }
 
@@ -168,12 +177,15 @@ class Session {
   [[nodiscard]] Coordinator::Settings coordinator_settings() const {
     Coordinator::Settings settings;
     settings.scene = hashes_;
+    settings.lease_seconds = lease();
     if (keep_all()) return settings;
     for (const ManifestEntry& entry : folder_->found().entries) {
       if (folder_->store().bytes(entry.kind, entry.key) == 0) settings.spared.insert(entry.key);
     }
     return settings;
   }
+
+  [[nodiscard]] double lease() const { return config_.options.get<double>("jobs.lease"); }
 
   [[nodiscard]] bool keep_all() const {
     return config_.options.get<std::string>("store.keep") == "all";
@@ -189,7 +201,7 @@ class Session {
     const auto write = [&](const Host& host, const FindResult& find) {
       finish(planner, host, find);
     };
-    Host host(planner, *folder_, write, keep_all(), command_.verbosity);
+    Host host(planner, fs_, *folder_, write, keep_all(), command_.verbosity);
     LoopEnd end = guarded([&] {
       return run_coordinator(coordinator, host, ranks_.link(), slots, service_settings());
     });
@@ -202,6 +214,10 @@ class Session {
     dismiss_all(ranks_.link(), end.code);
     say(end, host);
     leave_soon(end.code);
+    // The orderly end waits for every rank, and one that is lost never comes to it.
+    if (const auto lost = coordinator.lost(); !lost.empty()) {
+      ranks_.abort_without(lost, static_cast<int>(end.code));
+    }
     return end.code;
   }
 

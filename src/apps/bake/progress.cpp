@@ -53,7 +53,13 @@ std::string progress_text(const Coordinator& coordinator, double elapsed) {
   if (totals.cost_made > 0.0 && totals.cost_left > 0.0) {
     eta = fmt::format("; about {:.0f} s", std::ceil(elapsed * totals.cost_left / totals.cost_made));
   }
-  return fmt::format("{} of {} tasks{}{}", totals.done, totals.total, stages, eta);
+  const RankCounts ranks = coordinator.ranks();
+  std::string busy;
+  if (ranks.busy + ranks.idle + ranks.lost > 1) {
+    busy = fmt::format("; {} of {} ranks busy", ranks.busy, ranks.busy + ranks.idle);
+    if (ranks.lost > 0) busy += fmt::format(", {} lost", ranks.lost);
+  }
+  return fmt::format("{} of {} tasks{}{}{}", totals.done, totals.total, stages, busy, eta);
 }
 
 Progress::Progress(int verbosity) : quiet_(verbosity < 0), terminal_(isatty(STDERR_FILENO) != 0) {}

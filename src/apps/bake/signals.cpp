@@ -13,6 +13,7 @@ namespace {
 constexpr std::chrono::milliseconds kGrace{700};
 
 std::atomic<bool> stop{false};
+std::atomic<bool> drain{false};
 std::atomic<int> late_exit_code{static_cast<int>(ExitCode::kFailure)};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
@@ -31,6 +32,8 @@ void on_stop(int) {
   arm(kGrace);
 }
 
+void on_warning(int) { drain = true; }
+
 }  // namespace
 
 void catch_stop_signals() {
@@ -40,10 +43,13 @@ void catch_stop_signals() {
   action.sa_handler = on_alarm;
   sigaction(SIGALRM, &action, nullptr);
   action.sa_handler = on_stop;
-  for (const int signal : {SIGTERM, SIGINT, SIGUSR1}) sigaction(signal, &action, nullptr);
+  for (const int signal : {SIGTERM, SIGINT}) sigaction(signal, &action, nullptr);
+  action.sa_handler = on_warning;
+  sigaction(SIGUSR1, &action, nullptr);
 }
 
 const std::atomic<bool>& stop_flag() { return stop; }
+const std::atomic<bool>& drain_flag() { return drain; }
 
 void end_within(std::chrono::milliseconds most, ExitCode code) {
   if (stop) return;  // a signal has set its own limit

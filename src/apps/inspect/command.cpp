@@ -16,6 +16,9 @@ namespace {
 
 /// Options that have no use in this combination are refused rather than ignored.
 void check_combination(const CLI::App& app, const InspectCommand& command) {
+  if (command.watch && (command.verify || command.json || !command.image.empty())) {
+    refuse("--watch goes with no other option");
+  }
   if (command.image.empty()) {
     for (const char* option : {"--cluster", "--index", "--output"}) {
       if (app.count(option) > 0) refuse(std::string(option) + " needs --image KIND");
@@ -39,6 +42,7 @@ std::optional<InspectCommand> parse_inspect_command(int argc, const char* const*
   app.add_option("BAKE_DIR", command.bake, "folder that prt_bake wrote to")->required();
   app.add_flag("--verify", command.verify,
                "read every artifact again; exit code 4 if one is unsound");
+  app.add_flag("--watch", command.watch, "follow a running bake until it is finished");
   app.add_flag("--json", command.json, "tables as JSON");
   app.add_option(
          "--image", command.image,

@@ -10,6 +10,7 @@ namespace prt {
 struct InspectCommand {
   std::filesystem::path bake;
   bool verify = false;
+  bool watch = false;
   bool json = false;
   std::string image;  ///< "clusters", "depth"; empty: none
   int cluster = 0;

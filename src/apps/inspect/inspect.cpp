@@ -1,9 +1,14 @@
 #include "apps/inspect/inspect.h"
 
+#include <unistd.h>
+
+#include <cstdio>
+
 #include "apps/inspect/clusters_image.h"
 #include "apps/inspect/depth_image.h"
 #include "apps/inspect/tables.h"
 #include "apps/inspect/verify.h"
+#include "apps/inspect/watch.h"
 #include "base/image_file.h"
 #include "store/samples_io.h"
 
@@ -30,6 +35,10 @@ void draw_image(const InspectCommand& command, const BakeReader& bake) {
 
 ExitCode inspect(const InspectCommand& command, std::string& out) {
   PosixFileSystem disk;
+  if (command.watch) {
+    watch_bake(disk, command.bake, stdout, isatty(STDOUT_FILENO) != 0);
+    return ExitCode::kDone;
+  }
   const BakeReader bake(disk, command.bake);
   if (!command.image.empty()) {
     draw_image(command, bake);

@@ -1,11 +1,16 @@
 #include "jobs/mpi/mpi_ranks.h"
 
 #include <mpi.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <list>
+#include <map>
 #include <stdexcept>
 #include <thread>
 
@@ -89,6 +94,7 @@ class MpiRanks : public Ranks {
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
     MPI_Comm_rank(node, &node_rank_);
     MPI_Comm_size(node, &node_size_);
+    meet_neighbours(node);
     MPI_Comm_free(&node);
   }
   ~MpiRanks() override { finish(); }
@@ -136,11 +142,36 @@ class MpiRanks : public Ranks {
   }
 
   [[noreturn]] void abort(int code) override {
+    link_->flush();
     MPI_Abort(MPI_COMM_WORLD, code);
     std::_Exit(code);
   }
 
+  [[noreturn]] void abort_without(const std::vector<int>& lost, int code) override {
+    link_->flush();
+    for (const int rank : lost) {
+      const auto neighbour = neighbours_.find(rank);
+      if (neighbour == neighbours_.end()) continue;
+      syscall(SYS_pidfd_send_signal, neighbour->second, SIGKILL, nullptr, 0);
+    }
+    abort(code);
+  }
+
  private:
+  /// Opens handles to the processes of this machine's other ranks: unlike their numbers, they never
+  /// come to mean another process.
+  void meet_neighbours(MPI_Comm node) {
+    const std::array<int, 2> own = {rank(), static_cast<int>(getpid())};
+    std::vector<int> all(2 * static_cast<std::size_t>(node_size_));
+    MPI_Allgather(own.data(), 2, MPI_INT, all.data(), 2, MPI_INT, node);
+    for (std::size_t i = 0; i < all.size(); i += 2) {
+      if (all[i] == rank()) continue;
+      const long handle = syscall(SYS_pidfd_open, all[i + 1], 0);
+      if (handle >= 0) neighbours_[all[i]] = static_cast<int>(handle);
+    }
+  }
+
+  std::map<int, int> neighbours_;  ///< rank → process handle
   std::unique_ptr<MpiLink> link_;
   int node_rank_ = 0;
   int node_size_ = 1;

@@ -140,7 +140,8 @@ Package assemble_package(const Result& result, const OptionValues& options) {
   package.program.emplace_back(ReconstructStep{lit ? "total" : "direct"});
   package.provenance["method"] = "lb";
   package.provenance["options"] = nlohmann::json::object();
-  for (const auto& [key, value] : options.all()) package.provenance["options"][key] = value;
+  for (const auto& [key, value] : options_of_results(options))
+    package.provenance["options"][key] = value;
   return package;
 }
 

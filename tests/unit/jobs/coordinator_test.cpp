@@ -150,6 +150,27 @@ TEST(Coordinator, ASilentWorkersLeaseRunsOut) {
   EXPECT_THAT(assigned(c(Tick{110.5})), testing::ElementsAre("a"));
 }
 
+TEST(Coordinator, TheFirstTickTakesNobodyForLost) {
+  Checked c({}, 10.0);
+  c(WorkerJoined{0, 1});
+  c(TasksAdded{{make_task("a")}, true});
+  c(Tick{5000.0});  // a clock starts anywhere
+  EXPECT_EQ(c.coordinator.ranks().lost, 0);
+  c(Tick{5010.5});
+  EXPECT_EQ(c.coordinator.ranks().lost, 1);
+}
+
+TEST(Coordinator, CountsRanksByWhatTheyDo) {
+  Checked c;
+  for (const WorkerId id : {0, 1, 2}) c(WorkerJoined{id, 1});
+  c(TasksAdded{{make_task("a")}, true});
+  c(WorkerLost{2});
+  const RankCounts counts = c.coordinator.ranks();
+  EXPECT_EQ(counts.busy, 1);
+  EXPECT_EQ(counts.idle, 1);
+  EXPECT_EQ(counts.lost, 1);
+}
+
 TEST(Coordinator, ABadInputIsMadeAgainAndItsReadersWait) {
   Checked c;
   c(WorkerJoined{0, 1});
@@ -210,6 +231,37 @@ TEST(Coordinator, StoppingDismissesEverybodyAndHandsOutNothing) {
   const auto commands = c(done(a.worker, a.assignment));
   EXPECT_EQ(only<Record>(commands).size(), 1U);  // late results still count
   EXPECT_TRUE(only<Assign>(commands).empty());
+}
+
+TEST(Coordinator, DrainingLetsRunningTasksEndAndStartsNone) {
+  Checked c;
+  c(WorkerJoined{0, 2});
+  const auto running =
+      only<Assign>(c(TasksAdded{{make_task("a"), make_task("b"), make_task("c")}, false}));
+  ASSERT_EQ(running.size(), 2U);
+  EXPECT_TRUE(c(DrainRequested{}).empty());
+  EXPECT_TRUE(c(WorkerJoined{1, 1}).empty()) << "a late rank gets nothing";
+  const auto first = c(done(0, running[0].assignment));
+  EXPECT_EQ(only<Record>(first).size(), 1U);
+  EXPECT_TRUE(only<Assign>(first).empty());
+  EXPECT_TRUE(only<Drained>(first).empty());
+  c(DrainRequested{});  // every rank hears the signal
+  EXPECT_EQ(only<Drained>(c(done(0, running[1].assignment))).size(), 1U);
+  EXPECT_TRUE(c(DrainRequested{}).empty());
+}
+
+TEST(Coordinator, DrainingWithNothingRunningEndsAtOnce) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  EXPECT_EQ(only<Drained>(c(DrainRequested{})).size(), 1U);
+}
+
+TEST(Coordinator, DrainingDoesNotWaitForALostRank) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(TasksAdded{{make_task("a")}, true});
+  c(DrainRequested{});
+  EXPECT_EQ(only<Drained>(c(WorkerLost{0})).size(), 1U);
 }
 
 TEST(Coordinator, ATaskWhoseArtifactWasLetGoIsDoneUntilSomebodyReadsIt) {

@@ -50,6 +50,9 @@ TEST(Messages, ReportsSurviveTheWire) {
             "b");
   EXPECT_EQ(std::get<WorkerJoined>(decode_report(encode_report(WorkerJoined{2, 4}))).slots, 4);
   EXPECT_EQ(std::get<Heartbeat>(decode_report(encode_report(Heartbeat{9}))).worker, 9);
+  EXPECT_TRUE(
+      std::holds_alternative<DrainRequested>(decode_report(encode_report(DrainRequested{}))));
+  EXPECT_TRUE(std::holds_alternative<StillHere>(decode_order(encode_order(StillHere{}))));
   EXPECT_EQ(std::get<Dismissed>(decode_order(encode_order(Dismissed{ExitCode::kInterrupted}))).code,
             ExitCode::kInterrupted);
 }

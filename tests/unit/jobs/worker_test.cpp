@@ -77,5 +77,16 @@ TEST(Worker, TellsThatItIsAlive) {
   EXPECT_EQ(only_actions<Report>(worker.handle(Tick{15.0})).size(), 1U);
 }
 
+TEST(Worker, LeavesWhenItsCoordinatorIsSilentForTooLong) {
+  Worker worker(1, 1, 0.0, 20.0);
+  EXPECT_TRUE(worker.handle(Tick{1000.0}).empty());
+  EXPECT_TRUE(worker.handle(Tick{1019.0}).empty());
+  EXPECT_TRUE(worker.handle(Order{StillHere{}}).empty());
+  EXPECT_TRUE(worker.handle(Tick{1039.0}).empty());
+  const auto actions = worker.handle(Tick{1039.5});
+  EXPECT_EQ(only_actions<Leave>(actions).at(0).code, ExitCode::kInterrupted);
+  EXPECT_TRUE(worker.handle(Order{assignment("a")}).empty());
+}
+
 }  // namespace
 }  // namespace prt
