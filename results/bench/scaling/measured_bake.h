@@ -1,0 +1,48 @@
+// What the tasks of finished bakes took, by kind, and how that grows with the scene.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace prt::scaling {
+
+/// CPU seconds and bytes of the tasks of one kind. Medians: the machine that baked was shared, and
+/// single tasks are off by a factor of three.
+struct KindFigures {
+  double seconds = 0.0;  ///< per task
+  double bytes = 0.0;    ///< of its artifact
+  /// The same per sample of the task's cluster; zero where tasks are not per cluster.
+  double seconds_per_sample = 0.0;
+  double bytes_per_sample = 0.0;
+  std::size_t tasks = 0;
+};
+
+struct MeasuredBake {
+  std::vector<double> sizes;  ///< samples of each cluster
+  double samples = 0.0;
+  double package_bytes = 0.0;
+  double outside_tasks = 0.0;  ///< wall seconds of start-up, planning and writing the results
+  double wall_seconds = 0.0;   ///< of the bake
+  int ranks = 1;
+  std::map<std::string, double> task_seconds;  ///< wall seconds by task id
+  std::map<std::string, KindFigures> kinds;
+};
+
+/// Reads report.json and manifest.log. Throws std::runtime_error naming the file.
+MeasuredBake read_bake(const std::filesystem::path& folder);
+
+/// value = fixed + growing · reach^power, for one sample of a cluster; `reach`: clusters that the
+/// task's result refers to (today: all).
+struct Law {
+  double fixed = 0.0;
+  double growing = 0.0;
+  int power = 1;
+  [[nodiscard]] double at(double reach) const;
+};
+
+/// The power comes from the code, the factors from least squares (neither below zero).
+Law fit_law(const std::vector<std::pair<double, double>>& reach_and_value, int power);
+
+}  // namespace prt::scaling

@@ -1,0 +1,18 @@
+// What every rank makes for itself before it can compute.
+#pragma once
+
+#include <string>
+
+namespace prt::scaling {
+
+struct RankSetUp {
+  double triangles = 0.0;
+  double samples = 0.0;
+  double caster_seconds = 0.0;  ///< building the ray caster, CPU
+  double search_seconds = 0.0;  ///< building the neighbour search of all samples, CPU
+};
+
+/// Makes both for the scene and samples of a package, and looks at the clock.
+RankSetUp measure_set_up(const std::string& package_file);
+
+}  // namespace prt::scaling
