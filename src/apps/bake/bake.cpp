@@ -16,8 +16,11 @@ namespace prt {
 
 namespace {
 
-/// Once a bake has failed or is done, ranks that do not answer must not hold the others.
+/// Once a bake has failed or is done, ranks that do not answer must not hold the others: the
+/// orderly end waits for all, and one that dies on the way there never comes. All are idle after a
+/// bake that is done, but there may be many.
 constexpr std::chrono::seconds kLeaveWithin{10};
+constexpr std::chrono::seconds kLeaveDoneWithin{60};
 
 void print_error(const Ranks& ranks, const char* message) {
   if (ranks.rank() != 0) return;
@@ -56,7 +59,7 @@ int bake_main(int argc, char** argv, const BakeProgram& program) {
   } catch (const std::exception& e) {
     print_error(*ranks, e.what());
   }
-  if (code != ExitCode::kDone) end_within(kLeaveWithin, code);
+  end_within(code == ExitCode::kDone ? kLeaveDoneWithin : kLeaveWithin, code);
   ranks->finish();
   return static_cast<int>(code);
 }

@@ -29,10 +29,8 @@ void StatusFile::finish(const Coordinator& coordinator) { write(coordinator, tru
 void StatusFile::write(const Coordinator& coordinator, bool finished) {
   nlohmann::json stages = nlohmann::json::array();
   for (const auto& [name, stage] : coordinator.progress()) {
-    stages.push_back({{"stage", name},
-                      {"total", stage.total},
-                      {"done", stage.done},
-                      {"found", stage.adopted}});
+    stages.push_back(
+        {{"stage", name}, {"total", stage.total}, {"done", stage.done}, {"found", stage.adopted}});
   }
   const RankCounts ranks = coordinator.ranks();
   const double seconds = began_ < 0.0 ? 0.0 : now_ - began_;

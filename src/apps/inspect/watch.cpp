@@ -23,9 +23,9 @@ constexpr std::size_t kBarWidth = 30;
 json read_status(FileSystem& fs, const FileSystem::Path& dir) {
   try {
     const auto bytes = fs.read(dir / kProgressName);
-    const json status = json::parse(reinterpret_cast<const char*>(bytes.data()),
-                                    reinterpret_cast<const char*>(bytes.data() + bytes.size()),
-                                    nullptr, false);
+    const json status =
+        json::parse(reinterpret_cast<const char*>(bytes.data()),
+                    reinterpret_cast<const char*>(bytes.data() + bytes.size()), nullptr, false);
     return status.is_object() ? status : json::object();
   } catch (const FileError&) {
     return json::object();
