@@ -9,9 +9,8 @@
 // Root attributes: schema_version, code_version, kind, key, equation. All datasets are in one group
 // named by the KEY: h5ls 1.10 tells external links apart by the path in the other file alone, and
 // follows each path once. The group's attributes are the artifact's: integers (unsigned unless
-// negative), doubles, booleans
-// (an enumeration, as h5py has it) and strings typed as such, nested values as JSON text under
-// "json:NAME". Each dataset has attributes `units` and `meaning`.
+// negative), doubles, booleans (an enumeration, as h5py has it) and strings typed as such, nested
+// values as JSON text under "json:NAME". Each dataset has attributes `units` and `meaning`.
 #pragma once
 
 #include <cstddef>

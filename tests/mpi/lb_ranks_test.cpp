@@ -40,14 +40,7 @@ class LbRanks : public testing::TestWithParam<const char*> {
   }
 
   [[nodiscard]] std::size_t count_artifacts(const std::string& name) const {
-    std::size_t count = 0;
-    std::error_code error;
-    for (const auto& stage : test::fs::directory_iterator(bake(name) / "artifacts", error)) {
-      for (const auto& file : test::fs::directory_iterator(stage, error)) {
-        count += file.path().extension() == ".h5" ? 1 : 0;
-      }
-    }
-    return count;
+    return test::count_artifacts(bake(name));
   }
 
   test::TemporaryFolder folder_;

@@ -132,6 +132,19 @@ TEST(Ranks, TwoBakesInOneFolderAreRefused) {
   EXPECT_THAT(second.output(), testing::HasSubstr("another bake is writing here"));
 }
 
+TEST(Ranks, ABakeIsWatchedFromAnotherProcessUntilItIsFinished) {
+  const ToyFolder folder;
+  const auto bake = folder.start({0, 2, {}, {{"PRT_TOY_SPIN_US", "50000"}}}, PRT_MPIRUN);
+  while (folder.count_artifacts() == 0 && !bake->finished()) std::this_thread::yield();
+  Program watcher(
+      {std::string(PRT_BINARY_DIR) + "/bin/prt_inspect", "--watch", folder.bake().string()},
+      folder.path / "watch.txt");
+  EXPECT_EQ(bake->wait(), 0);
+  EXPECT_EQ(watcher.wait(), 0) << watcher.output();
+  EXPECT_GE(count(watcher.output(), "\n"), 2U) << watcher.output();
+  EXPECT_THAT(watcher.output(), testing::HasSubstr("61 of 61 tasks"));
+}
+
 TEST(Ranks, AnotherScenesFolderIsRefusedUnlessFresh) {
   const ToyFolder folder;
   ASSERT_EQ(run(folder, {}), 0);

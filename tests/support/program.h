@@ -153,6 +153,18 @@ inline std::unique_ptr<Program> start_bake(const std::vector<std::string>& bake,
   return std::make_unique<Program>(command, log, environment);
 }
 
+/// Artifacts that are on disk; a bake may be writing more meanwhile.
+inline std::size_t count_artifacts(const fs::path& bake) {
+  std::size_t count = 0;
+  std::error_code error;
+  for (const auto& stage : fs::directory_iterator(bake / "artifacts", error)) {
+    for (const auto& file : fs::directory_iterator(stage, error)) {
+      count += file.path().extension() == ".h5" ? 1 : 0;
+    }
+  }
+  return count;
+}
+
 /// Contents of all artifacts and the package of a bake, by path within it.
 inline std::map<std::string, std::string> bake_results(const fs::path& bake) {
   std::map<std::string, std::string> files;
@@ -182,16 +194,7 @@ class ToyFolder : public TemporaryFolder {
 
   [[nodiscard]] std::map<std::string, std::string> results() const { return bake_results(bake()); }
 
-  [[nodiscard]] std::size_t count_artifacts() const {
-    std::size_t count = 0;
-    std::error_code error;
-    for (const char* stage : {"leaf", "pair", "total"}) {
-      for (const auto& entry : fs::directory_iterator(bake() / "artifacts" / stage, error)) {
-        count += entry.path().extension() == ".h5" ? 1 : 0;
-      }
-    }
-    return count;
-  }
+  [[nodiscard]] std::size_t count_artifacts() const { return test::count_artifacts(bake()); }
 };
 
 }  // namespace prt::test
