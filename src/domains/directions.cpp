@@ -47,22 +47,18 @@ Vec2f disk_to_square(float x, float y) {
 
 }  // namespace
 
+int HemisphereDirections::nearest_count(int count) {
+  count = std::clamp(count, 1, 1 << 30);
+  for (int step = 0;; ++step) {  // ends at the latest at 1
+    if (count - step >= 1 && short_side(count - step) > 0) return count - step;
+    if (short_side(count + step) > 0) return count + step;
+  }
+}
+
 HemisphereDirections::HemisphereDirections(int count) {
   height_ = count >= 1 ? short_side(count) : 0;
   if (height_ == 0) {
-    int near = 1;
-    for (int step = 1; step <= std::max(2, count); ++step) {
-      if (count - step >= 1 && short_side(count - step) > 0) {
-        near = count - step;
-        break;
-      }
-      if (short_side(count + step) > 0) {
-        near = count + step;
-        break;
-      }
-    }
-    throw UserError("rays.directions: " + std::to_string(count) +
-                    " directions form no grid of two like sides; use " + std::to_string(near));
+    throw UserError(std::to_string(count) + " directions form no grid of two like sides");
   }
   width_ = count / height_;
   directions_.reserve(count);

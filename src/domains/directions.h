@@ -15,8 +15,12 @@ namespace prt {
 /// frame, +z is the normal.
 class HemisphereDirections {
  public:
-  /// Grid of exactly `count` cells, as square as its factors allow. Throws UserError when no
-  /// factorisation has an aspect below 2 (it names the nearest count that has).
+  /// The count next to `count` (itself, if it will do; the smaller of two) whose factors make a
+  /// grid of an aspect below 2; from 1 to 2^30.
+  static int nearest_count(int count);
+
+  /// Grid of exactly `count` cells, as square as its factors allow. Throws UserError unless
+  /// `count` is its own nearest_count.
   explicit HemisphereDirections(int count);
 
   [[nodiscard]] int count() const { return width_ * height_; }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "domains/directions.h"
 
 namespace prt {
 
@@ -48,6 +49,14 @@ bool fits(const OptionSpec& spec, const nlohmann::json& value) {
   return number >= spec.minimum && number <= spec.maximum;
 }
 
+std::string directions_trouble(const nlohmann::json& value) {
+  const int count = value.get<int>();
+  const int near = HemisphereDirections::nearest_count(count);
+  if (near == count) return "";
+  return std::to_string(count) + " directions form no grid of two like sides; use " +
+         std::to_string(near);
+}
+
 }  // namespace
 
 std::string expected_value(const OptionSpec& spec) {
@@ -68,7 +77,11 @@ std::string expected_value(const OptionSpec& spec) {
 }
 
 void check_option(const OptionSpec& spec, const nlohmann::json& value, const std::string& where) {
-  if (fits(spec, value)) return;
+  if (fits(spec, value)) {
+    const std::string trouble = spec.trouble != nullptr ? spec.trouble(value) : "";
+    if (!trouble.empty()) throw UserError(where + ": " + spec.key + ": " + trouble);
+    return;
+  }
   throw UserError(where + ": " + spec.key + " must be " + expected_value(spec) + ", not " +
                   (value.is_null()
                        ? "empty"
@@ -129,12 +142,13 @@ std::vector<OptionSpec> shared_options() {
       {"rays.directions",
        Type::kInteger,
        2016,
-       32,
+       36,
        32768,
        {},
        "",
        "hemispherical directions per sample",
-       lb + "§4.2"},
+       lb + "§4.2",
+       directions_trouble},
       {"transport.tolerance",
        Type::kNumber,
        2e-2,

@@ -20,6 +20,8 @@ struct OptionSpec {
   std::string unit;
   std::string meaning;
   std::string source;  ///< paper and equation or section
+  /// What else is wrong with a value in the range, and what to do; empty: nothing.
+  std::string (*trouble)(const nlohmann::json& value) = nullptr;
 };
 
 /// Checked values of all options, by dotted key.

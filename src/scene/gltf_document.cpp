@@ -27,7 +27,8 @@ std::vector<unsigned char> read_file(const fs::path& path, const std::string& sc
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) fail(scene_name, fmt::format("{} does not exist", what));
-  if (!fs::is_regular_file(status)) fail(scene_name, fmt::format("{} is not a file", what));
+  if (!fs::is_regular_file(status))
+    fail(scene_name, fmt::format("{} is a folder or a device, not a file", what));
   std::ifstream stream(path, std::ios::binary);
   const std::uintmax_t size = fs::file_size(path, error);
   if (!stream || error) fail(scene_name, fmt::format("{} cannot be read", what));

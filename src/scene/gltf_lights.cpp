@@ -67,8 +67,8 @@ void load_lights_and_camera(const Document& document, const std::vector<WorldNod
     scene.lights.push_back(read_light(model.lights[static_cast<std::size_t>(index)], node));
   }
   if (!scene.lights.empty()) {
-    log::info("{}: {} lights; candela and lux divided by {} lm/W", document.name(),
-              scene.lights.size(), kLumensPerWatt);
+    log::info("{}: {} {}; candela and lux divided by {} lm/W", document.name(), scene.lights.size(),
+              scene.lights.size() == 1 ? "light" : "lights", kLumensPerWatt);
   }
 }
 

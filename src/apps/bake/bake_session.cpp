@@ -83,7 +83,6 @@ class Session {
       config_ = load_config(command_.config, command_.overrides, program_.methods);
     });
     expect_same(ranks_, fingerprint(config_), "different configurations");
-    share_machine();
     do_together(ranks_, [&] { scene_ = program_.load_scene(config_.scene); });
     hashes_ = {scene_.geometry_hash, scene_.materials_hash, scene_.lights_hash};
     expect_same(ranks_, hashes_.geometry.hex() + hashes_.materials.hex() + hashes_.lights.hex(),
@@ -98,6 +97,7 @@ class Session {
       folder_ = BakeFolder::open(fs_, config_.output, identity(*config_.method, scene_, isa_),
                                  command_.fresh);
     });
+    share_machine();
     return ranks_.rank() == 0 ? coordinate() : work();
   }
 

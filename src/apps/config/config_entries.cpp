@@ -26,7 +26,8 @@ std::string read_text(const std::filesystem::path& file) {
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status))
     throw UserError(name + ": there is no such configuration file");
-  if (!std::filesystem::is_regular_file(status)) throw UserError(name + ": is not a file");
+  if (!std::filesystem::is_regular_file(status))
+    throw UserError(name + ": is a folder or a device, not a file");
   if (std::filesystem::file_size(file, error) > kMostBytes) {
     throw UserError(name + ": is larger than 1 MiB, so it is no configuration");
   }

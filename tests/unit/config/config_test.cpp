@@ -177,7 +177,7 @@ TEST_F(ConfigTest, WrongTypesAndRangesSayWhatIsExpected) {
 
 TEST_F(ConfigTest, FilesThatAreNoConfigurationAreRefused) {
   EXPECT_THAT(error_of(folder_ / "none.yaml"), HasSubstr("no such configuration"));
-  EXPECT_THAT(error_of(folder_), HasSubstr("is not a file"));
+  EXPECT_THAT(error_of(folder_), HasSubstr("is a folder or a device, not a file"));
   EXPECT_THAT(error(""), HasSubstr("is empty"));
   EXPECT_THAT(error("# only a comment\n"), HasSubstr("is empty"));
   EXPECT_THAT(error("- a\n- b\n"), HasSubstr("keys and values"));

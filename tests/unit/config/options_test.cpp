@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 
@@ -33,6 +36,23 @@ TEST(CheckOption, BoundsAreInclusive) {
   EXPECT_NO_THROW(check_option(spec, 1.0, "x"));
   EXPECT_THROW(check_option(spec, 1.0001, "x"), UserError);
   EXPECT_THROW(check_option(spec, "auto", "x"), UserError);
+}
+
+TEST(CheckOption, ACountOfDirectionsThatFormsNoGridIsRefusedWithOneThatIsTaken) {
+  const std::vector<OptionSpec> table = shared_options();
+  const auto spec = std::ranges::find(table, "rays.directions", &OptionSpec::key);
+  ASSERT_NE(spec, table.end());
+  EXPECT_NO_THROW(check_option(*spec, 2016, "x"));
+  for (int count = static_cast<int>(spec->minimum); count < 600; ++count) {
+    try {
+      check_option(*spec, count, "x");
+    } catch (const UserError& error) {
+      const std::string text = error.what();
+      const std::string advice = text.substr(text.find("use ") + 4);
+      EXPECT_NO_THROW(check_option(*spec, std::stoi(advice), "x")) << text;
+    }
+  }
+  EXPECT_THROW(check_option(*spec, 512, "x"), UserError);
 }
 
 }  // namespace

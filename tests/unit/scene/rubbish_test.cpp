@@ -42,7 +42,7 @@ void expect_says(const std::string& message, const std::string& part) {
 TEST(Rubbish, Containers) {
   const TemporaryFolder folder;
   expect_says(error_of(folder.path() / "none.glb"), "does not exist");
-  expect_says(error_of(folder.path()), "is not a file");
+  expect_says(error_of(folder.path()), "is a folder or a device, not a file");
   expect_says(error_of_bytes(""), "empty");
   expect_says(error_of_bytes("glTF"), "truncated");
   expect_says(error_of_bytes("solid cube"), "not a glTF file");
