@@ -12,6 +12,7 @@
 #include "apps/bake/evaluator.h"
 #include "methods/method.h"
 #include "scene/scene.h"
+#include "store/file_system.h"
 
 namespace prt {
 
@@ -25,6 +26,8 @@ struct BakeProgram {
   std::function<std::string()> best_isa;
   /// The runtime package's bytes.
   std::function<std::vector<std::byte>(const Package&)> encode_package;
+  /// Where the bake's folder lies.
+  std::shared_ptr<FileSystem> file_system = std::make_shared<PosixFileSystem>();
 };
 
 /// The whole program; the result is its exit code.

@@ -76,7 +76,11 @@ std::optional<std::string> begun_with(FileSystem& fs, const std::filesystem::pat
 class Session {
  public:
   Session(const BakeCommand& command, const BakeProgram& program, Ranks& ranks)
-      : command_(command), program_(program), ranks_(ranks), began_(Clock::now()) {}
+      : command_(command),
+        program_(program),
+        ranks_(ranks),
+        began_(Clock::now()),
+        fs_(*program.file_system) {}
 
   ExitCode run() {
     do_together(ranks_, [&] {
@@ -250,7 +254,7 @@ class Session {
   const BakeProgram& program_;
   Ranks& ranks_;
   Clock::time_point began_;
-  PosixFileSystem fs_;
+  FileSystem& fs_;
   BakeConfig config_;
   Scene scene_;
   SceneHashes hashes_;

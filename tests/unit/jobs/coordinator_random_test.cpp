@@ -1,12 +1,17 @@
 // Random graphs, worked off by workers that die, come back, repeat themselves, answer late and in
-// any order, and find artifacts broken. Whatever happens: the invariants hold between any two
-// events, every task is done in the end with the keys and contents a single undisturbed worker
-// gives.
+// any order, and find artifacts broken or let go, in jobs that are killed or drained and started
+// again from what is on the disk. Whatever happens: the invariants hold between any two events,
+// every task is done in the end with the keys and contents a single undisturbed worker gives, and
+// none is made again without a reason.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <deque>
+#include <map>
+#include <memory>
 #include <random>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "graph.h"
 
@@ -17,7 +22,7 @@ using test::content_of;
 using test::done;
 using test::make_task;
 
-constexpr int kGraphs = 400;
+constexpr int kGraphs = 2000;
 /// Far above what any of these graphs needs: a bake that does not end is an error, not a hang.
 constexpr int kMostEvents = 100'000;
 
@@ -67,28 +72,35 @@ std::map<std::string, Digest> expected_contents(const std::vector<std::vector<Ta
   return contents;
 }
 
+/// What outlives a job: files on the disk and lines of the manifest.
+struct Disk {
+  std::set<Digest> artifacts;         ///< by key
+  std::map<Digest, Digest> manifest;  ///< content by key
+  std::set<Digest> unsynced;          ///< lines of the manifest that a kill may lose
+  std::set<Digest> let_go;            ///< removed on purpose: nobody was to read them again
+};
+
 class Simulation {
  public:
-  explicit Simulation(unsigned seed)
-      : rng_(seed), stages_(random_stages(rng_)), c_({{}, 50.0}, {}) {}
+  explicit Simulation(unsigned seed) : rng_(seed), stages_(random_stages(rng_)) { start(); }
 
   void run() {
-    join();
-    plan();
     for (int i = 0; !all_done_; ++i) {
       ASSERT_LT(i, kMostEvents) << "the bake does not end";
       step();
       if (HasFatalFailure()) return;
     }
     for (const auto& [id, content] : expected_contents(stages_)) {
-      const auto result = c_.result(id);
+      const auto result = c_->result(id);
       ASSERT_TRUE(result.has_value()) << id;
       EXPECT_EQ(result->content, content) << id;
-      EXPECT_EQ(records_[id], 1) << id << " must be recorded once";
+      EXPECT_EQ(records_[id], 1) << id << " must be recorded once in a run";
     }
   }
 
-  static bool HasFatalFailure() { return testing::Test::HasFatalFailure(); }
+  [[nodiscard]] int kills() const { return kills_; }
+  [[nodiscard]] int drains() const { return drains_; }
+  [[nodiscard]] int let_go_count() const { return let_go_; }
 
  private:
   struct Running {
@@ -96,24 +108,74 @@ class Simulation {
     Assignment assignment;
   };
 
+  static bool HasFatalFailure() { return testing::Test::HasFatalFailure(); }
+
+  // A job, the first one or the next after a kill: all that it knows comes from the disk.
+  void start() {
+    Coordinator::Settings settings;
+    settings.lease_seconds = 50.0;
+    for (const Digest& key : disk_.let_go) {
+      if (disk_.manifest.contains(key)) settings.spared.insert(key);
+    }
+    c_ = std::make_unique<Coordinator>(settings,
+                                       KnownContents(disk_.manifest.begin(), disk_.manifest.end()));
+    planned_ = 0;
+    next_worker_ = 0;
+    draining_ = false;
+    running_.clear();
+    mute_.clear();
+    distrusted_.clear();
+    asked_for_.clear();
+    records_.clear();
+    join();
+    plan();
+  }
+
+  void kill_job() {
+    ++kills_;
+    // Lines of the manifest may not have reached the disk; their artifacts have.
+    for (const Digest& key : disk_.unsynced) {
+      if (pick(rng_, 1) == 0) disk_.manifest.erase(key);
+    }
+    disk_.unsynced.clear();
+    start();
+  }
+
   void feed(const Event& event) {
-    std::vector<Command> commands = c_.handle(event);
-    ASSERT_NO_THROW(c_.check_invariants());
+    const std::vector<Command> commands = c_->handle(event);
+    ASSERT_NO_THROW(c_->check_invariants());
     bool stage_done = false;
+    bool drained = false;
     for (const Command& command : commands) {
       if (const auto* a = std::get_if<Assign>(&command)) {
-        running_.push_back({a->worker, a->assignment});
-        ++assigned_;
+        assign(*a);
       } else if (const auto* r = std::get_if<Record>(&command)) {
         ++records_[r->done.task];
+        if (disk_.manifest.emplace(r->done.key, r->done.content).second) {
+          disk_.unsynced.insert(r->done.key);
+        }
       } else if (const auto* f = std::get_if<Fail>(&command)) {
         FAIL() << f->message;
       } else {
+        drained |= std::holds_alternative<Drained>(command);
         stage_done |= std::holds_alternative<StageDone>(command);
         all_done_ |= std::holds_alternative<AllDone>(command);
       }
     }
     if (stage_done) plan();
+    if (!drained) return;
+    ASSERT_TRUE(draining_);
+    start();
+  }
+
+  void assign(const Assign& a) {
+    ASSERT_FALSE(draining_) << "a task is started although the bake is to end";
+    const std::string& id = a.assignment.task.id;
+    const bool asked_for = asked_for_.contains(id);
+    ASSERT_TRUE(records_[id] == 0 || asked_for) << id << " is done and is started again";
+    ASSERT_TRUE(!disk_.let_go.contains(a.assignment.key) || asked_for)
+        << id << " was let go, and is started although nobody reads it";
+    running_.push_back({a.worker, a.assignment});
   }
 
   void plan() {
@@ -149,54 +211,120 @@ class Simulation {
       mute_.insert(pick(rng_, next_worker_ - 1));
     } else if (dice < 14 && !finished_.empty()) {
       feed(finished_[pick(rng_, static_cast<int>(finished_.size()) - 1)]);
-    } else if (dice < 18) {
-      distrust();
+    } else if (dice < 17) {
+      break_input();
+    } else if (dice < 20) {
+      let_go();
+    } else if (dice < 22) {
+      kill_job();
+    } else if (dice < 23 && !draining_) {
+      draining_ = true;
+      ++drains_;
+      feed(DrainRequested{});
     } else if (!running_.empty()) {
       finish();
-    } else {
+    } else if (!draining_) {
       join();
     }
   }
 
   void finish() {
     const Running r = take_any();
-    const TaskDone report = done(r.worker, r.assignment, pick(rng_, 3) == 0);
+    const bool adopted = disk_.artifacts.contains(r.assignment.key);
+    for (const TaskInput& input : r.assignment.inputs) {
+      if (adopted || disk_.artifacts.contains(input.key)) continue;
+      ask_for(r, input);
+      return;
+    }
+    disk_.artifacts.insert(r.assignment.key);
+    disk_.let_go.erase(r.assignment.key);
+    const TaskDone report = done(r.worker, r.assignment, adopted);
     finished_.push_back(report);
     feed(report);
   }
 
-  void distrust() {
+  /// A file goes bad, and a reader notices.
+  void break_input() {
     if (running_.empty()) return;
     const Running r = take_any();
-    // Each task distrusts at most once, so that no disk looks broken for good.
+    // Each task distrusts at most once a run, so that no disk looks broken for good.
     if (r.assignment.inputs.empty() || !distrusted_.insert(r.assignment.task.id).second) {
       running_.push_back(r);
       return;
     }
-    const int input = pick(rng_, static_cast<int>(r.assignment.inputs.size()) - 1);
-    feed(InputUnsound{r.worker, r.assignment.task.id, r.assignment.inputs[input].id});
+    const int i = pick(rng_, static_cast<int>(r.assignment.inputs.size()) - 1);
+    const TaskInput& input = r.assignment.inputs[i];
+    disk_.artifacts.erase(input.key);
+    ask_for(r, input);
+  }
+
+  void ask_for(const Running& r, const TaskInput& input) {
+    asked_for_.insert(input.id);
+    feed(InputUnsound{r.worker, r.assignment.task.id, input.id});
+  }
+
+  /// As with store.keep: needed, once all is planned: what nobody will read goes.
+  void let_go() {
+    if (planned_ < stages_.size()) return;
+    for (const auto& stage : stages_) {
+      for (const TaskSpec& task : stage) {
+        const auto result = c_->result(task.id);
+        if (!result || !disk_.artifacts.contains(result->key) || has_open_reader(task.id)) continue;
+        disk_.unsynced.clear();  // as the program: what tells of it comes first
+        disk_.artifacts.erase(result->key);
+        disk_.let_go.insert(result->key);
+        ++let_go_;
+        return;
+      }
+    }
+  }
+
+  [[nodiscard]] bool has_open_reader(const std::string& id) const {
+    for (const auto& stage : stages_) {
+      for (const TaskSpec& task : stage) {
+        if (std::ranges::find(task.inputs, id) != task.inputs.end() && !c_->result(task.id)) {
+          return true;
+        }
+      }
+    }
+    return false;
   }
 
   Rng rng_;
   std::vector<std::vector<TaskSpec>> stages_;
-  Coordinator c_;
+  Disk disk_;
+  std::unique_ptr<Coordinator> c_;
   std::size_t planned_ = 0;
   WorkerId next_worker_ = 0;
   double now_ = 0.0;
   bool all_done_ = false;
-  int assigned_ = 0;
+  bool draining_ = false;
+  int kills_ = 0;
+  int drains_ = 0;
+  int let_go_ = 0;
   std::vector<Running> running_;
-  std::vector<TaskDone> finished_;
+  std::vector<TaskDone> finished_;  ///< of all runs: any of them may come late
   std::set<WorkerId> mute_;
   std::set<std::string> distrusted_;
+  std::set<std::string> asked_for_;  ///< tasks whose artifact a reader missed
   std::map<std::string, int> records_;
 };
 
 TEST(CoordinatorRandom, EveryDisturbedBakeGivesTheUndisturbedResult) {
+  int kills = 0;
+  int drains = 0;
+  int let_go = 0;
   for (unsigned seed = 0; seed < kGraphs && !testing::Test::HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    Simulation(seed).run();
+    Simulation simulation(seed);
+    simulation.run();
+    kills += simulation.kills();
+    drains += simulation.drains();
+    let_go += simulation.let_go_count();
   }
+  EXPECT_GT(kills, kGraphs / 4);
+  EXPECT_GT(drains, kGraphs / 8);
+  EXPECT_GT(let_go, kGraphs / 8);
 }
 
 }  // namespace

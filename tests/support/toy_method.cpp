@@ -1,0 +1,167 @@
+#include "support/toy_method.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <new>
+#include <string>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace prt {
+namespace {
+
+std::string environment(const char* name) {
+  const char* text = std::getenv(name);
+  return text != nullptr ? text : "";
+}
+
+void spin(const TaskReader& reader) {
+  const std::string text = environment("PRT_TOY_SPIN_US");
+  if (text.empty()) return;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(std::stol(text));
+  while (std::chrono::steady_clock::now() < end) {
+    if (reader.stop_requested()) throw Interrupted("asked to stop");
+  }
+}
+
+void fail_if_told(const std::string& id) {
+  if (id != environment("PRT_TOY_FAIL")) return;
+  const std::string kind = environment("PRT_TOY_FAIL_KIND");
+  if (kind == "user") throw UserError("toy.scene: the toy is broken; mend it");
+  if (kind == "memory") throw std::bad_alloc();
+  throw std::runtime_error("a bug in the toy");
+}
+
+class ToyMethod : public Method {
+ public:
+  [[nodiscard]] std::string name() const override { return "toy"; }
+
+  [[nodiscard]] std::vector<OptionSpec> options() const override {
+    constexpr int kMostLeaves = 10000;
+    return {{"toy.leaves",
+             OptionSpec::Type::kInteger,
+             40,
+             2,
+             kMostLeaves,
+             {},
+             "leaves",
+             "tasks of the first stage",
+             "ours"},
+            {"toy.values",
+             OptionSpec::Type::kInteger,
+             1000,
+             1,
+             1'000'000,
+             {},
+             "values",
+             "numbers in an artifact",
+             "ours"}};
+  }
+
+  [[nodiscard]] Plan plan(const PlanInputs& inputs) const override {
+    Plan plan;
+    const int leaves = inputs.options().get<int>("toy.leaves");
+    for (int i = 0; i < leaves; ++i) {
+      TaskSpec task = make("leaf", i);
+      task.parameters = {{"index", i},
+                         {"seed", inputs.options().get<std::uint64_t>("seed")},
+                         {"values", inputs.options().get<int>("toy.values")}};
+      task.scene_parts = kGeometry;
+      task.cost = 1.0 + i % 3;
+      plan.tasks.push_back(std::move(task));
+    }
+    for (int i = 0; i + 1 < leaves; i += 2) {
+      TaskSpec task = make("pair", i / 2);
+      task.inputs = {id("leaf", i), id("leaf", i + 1)};
+      plan.tasks.push_back(std::move(task));
+    }
+    if (!inputs.result(id("leaf", 0))) return plan;
+    TaskSpec total = make("total", 0);
+    for (int i = 0; i + 1 < leaves; i += 2) total.inputs.push_back(id("pair", i / 2));
+    plan.tasks.push_back(std::move(total));
+    plan.results = {id("total", 0)};
+    plan.left_out = {{"the odd leaf", "it has no partner"}};
+    plan.complete = true;
+    return plan;
+  }
+
+  [[nodiscard]] std::string equation(const std::string&) const override { return {}; }
+  [[nodiscard]] std::vector<std::string> kinds() const override {
+    return {"leaf", "pair", "total"};
+  }
+
+  [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader) const override {
+    fail_if_told(task.id);
+    spin(reader);
+    Artifact artifact;
+    std::vector<float> sum;
+    if (task.kind == "leaf") {
+      Random random(stream_key(task.parameters.at("seed"), "leaf"), task.parameters.at("index"));
+      sum.resize(task.parameters.at("values"));
+      for (float& v : sum) v = random.uniform();
+    } else {
+      for (std::size_t i = 0; i < task.inputs.size(); ++i) {
+        const auto values = reader.input(i)->vector<float>("values");
+        sum.resize(values.size(), 0.0F);
+        for (std::size_t k = 0; k < values.size(); ++k) sum[k] += values[k];
+      }
+    }
+    artifact.put<float>("values", sum, {sum.size()}, "1", "numbers of the toy");
+    artifact.attributes["error"] = sum[0];
+    return artifact;
+  }
+
+  [[nodiscard]] Package assemble(
+      const std::function<std::shared_ptr<const Artifact>(const std::string&)>& result,
+      const OptionValues&) const override {
+    Package package;
+    package.provenance["total"] = result(id("total", 0))->vector<float>("values");
+    return package;
+  }
+
+ private:
+  static std::string id(const std::string& kind, int index) {
+    const std::string digits = std::to_string(index);
+    return kind + "/" + std::string(digits.size() < 4 ? 4 - digits.size() : 0, '0') + digits;
+  }
+  static TaskSpec make(const std::string& kind, int index) {
+    TaskSpec task;
+    task.id = id(kind, index);
+    task.kind = kind;
+    return task;
+  }
+};
+
+/// The scene is the text of its file.
+Scene load_toy_scene(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    throw UserError(file.string() + ": there is no such scene file");
+  Scene scene;
+  scene.geometry_hash = hash_text(file.filename().string());
+  return scene;
+}
+
+std::vector<std::byte> encode_toy_package(const Package& package) {
+  const std::string text = package.provenance.dump();
+  const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+namespace test {
+
+BakeProgram toy_program() {
+  static const ToyMethod toy;
+  return {{&toy},
+          nullptr,
+          load_toy_scene,
+          [](const Scene&, const std::string&) { return std::unique_ptr<RayCaster>(); },
+          [] { return std::string("avx2"); },
+          encode_toy_package};
+}
+
+}  // namespace test
+}  // namespace prt
+
