@@ -1,5 +1,6 @@
 #include "jobs/messages.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -7,48 +8,65 @@ namespace prt {
 
 using nlohmann::json;
 
-json to_json(const TaskSpec& task) {
-  return {{"id", task.id},           {"kind", task.kind},
-          {"version", task.version}, {"parameters", task.parameters},
-          {"inputs", task.inputs},   {"scene_parts", task.scene_parts},
-          {"cost", task.cost}};
-}
-
-TaskSpec task_from_json(const json& j) {
-  TaskSpec task;
-  task.id = j.at("id");
-  task.kind = j.at("kind");
-  task.version = j.at("version");
-  task.parameters = j.at("parameters");
-  task.inputs = j.at("inputs").get<std::vector<std::string>>();
-  task.scene_parts = j.at("scene_parts");
-  task.cost = j.at("cost");
-  return task;
-}
-
 namespace {
 
 Digest digest_at(const json& j, const char* name) {
   return Digest::from_hex(j.at(name).get_ref<const std::string&>());
 }
 
-json encode(const Assignment& a) {
-  json inputs = json::array();
-  for (const TaskInput& in : a.inputs) {
-    inputs.push_back({in.id, in.stage, in.key.hex(), in.content.hex()});
+/// As JSON writes it; most ids need no escaping, and a bake has millions of them.
+void append_quoted(std::string& text, const std::string& value) {
+  const auto is_plain = [](char c) { return c >= ' ' && c < 127 && c != '"' && c != '\\'; };
+  if (std::all_of(value.begin(), value.end(), is_plain)) {
+    text.append("\"").append(value).append("\"");
+  } else {
+    text += json(value).dump();
   }
-  json j = {
-      {"type", "assign"}, {"task", to_json(a.task)}, {"key", a.key.hex()}, {"inputs", inputs}};
+}
+
+/// The task's inputs are named once, by the assignment.
+json encode(const TaskSpec& task) {
+  return {{"id", task.id},
+          {"kind", task.kind},
+          {"version", task.version},
+          {"parameters", task.parameters},
+          {"scene_parts", task.scene_parts},
+          {"cost", task.cost}};
+}
+
+/// Inputs are written as text right away: as JSON values each costs ten allocations, and the
+/// coordinator sends little else.
+std::string encode(const Assignment& a) {
+  json j = {{"type", "assign"}, {"task", encode(a.task)}, {"key", a.key.hex()}};
   if (a.expected) j["expected"] = a.expected->hex();
-  return j;
+  std::string text = j.dump();
+  text.pop_back();
+  text += ",\"inputs\":[";
+  for (const TaskInput& in : a.inputs) {
+    text += text.back() == '[' ? "[" : ",[";
+    append_quoted(text, in.id);
+    text += ',';
+    append_quoted(text, in.stage);
+    text.append(",\"").append(in.key.hex()).append("\",\"").append(in.content.hex()).append("\"]");
+  }
+  return text + "]}";
 }
 
 Assignment decode_assignment(const json& j) {
-  Assignment a{task_from_json(j.at("task")), digest_at(j, "key"), std::nullopt, {}};
+  Assignment a;
+  const json& task = j.at("task");
+  a.task.id = task.at("id");
+  a.task.kind = task.at("kind");
+  a.task.version = task.at("version");
+  a.task.parameters = task.at("parameters");
+  a.task.scene_parts = task.at("scene_parts");
+  a.task.cost = task.at("cost");
+  a.key = digest_at(j, "key");
   if (j.contains("expected")) a.expected = digest_at(j, "expected");
   for (const json& in : j.at("inputs")) {
     a.inputs.push_back({in.at(0), in.at(1), Digest::from_hex(in.at(2).get<std::string>()),
                         Digest::from_hex(in.at(3).get<std::string>())});
+    a.task.inputs.push_back(a.inputs.back().id);
   }
   return a;
 }
@@ -135,7 +153,7 @@ std::string encode_order(const Order& order) {
     return json{{"type", "dismiss"}, {"code", static_cast<int>(dismissed->code)}}.dump();
   }
   if (std::holds_alternative<StillHere>(order)) return json{{"type", "here"}}.dump();
-  return encode(std::get<Assignment>(order)).dump();
+  return encode(std::get<Assignment>(order));
 }
 
 Order decode_order(const std::string& text) {

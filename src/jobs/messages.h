@@ -26,8 +26,4 @@ Order decode_order(const std::string& text);
 std::string encode_report(const Event& event);
 Event decode_report(const std::string& text);
 
-/// A task as JSON, and back: what the wire and the tests use.
-nlohmann::json to_json(const TaskSpec& task);
-TaskSpec task_from_json(const nlohmann::json& json);
-
 }  // namespace prt

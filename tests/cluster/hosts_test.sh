@@ -74,6 +74,24 @@ kill -KILL "$victim"
 expect_death "$scratch/rank/bake"
 resumed "$scratch/rank/bake" 3
 
+# With --enable-recovery the other hosts go on by themselves. mpirun's exit code says nothing then.
+bake=$scratch/recovery/bake
+"$hosts/mpirun" "$name" -n 3 --enable-recovery "${tiny_bake[@]}" --set jobs.lease=2 --threads 1 --out "$bake" \
+  >"$scratch/job.log" 2>&1 &
+job=$!
+wait_until 60 "the first tasks" has_tasks "$bake" 4
+victim=$(ranks_on "$name-2")
+[ -n "$victim" ] || fail "no rank on host 2"
+kill -KILL "$victim"
+[ ! -e "$bake/complete.json" ] || fail "the bake was complete before a rank could be killed"
+wait_until 120 "the end of the bake that lost a rank" is_gone "$job"
+wait "$job" || true
+job=
+[ -e "$bake/complete.json" ] || { cat "$scratch/job.log" >&2; fail "the bake did not survive the loss of a rank"; }
+grep -q 'rank(s) are silent' "$scratch/job.log" || fail "nobody noticed that a rank was lost"
+expect_same_bake "$scratch/reference/bake" "$bake"
+echo "ok: with --enable-recovery the other hosts went on, same bytes"
+
 # Host 3 has a worker; host 1 the coordinator and mpirun itself.
 for i in 3 1; do
   bake=$scratch/host$i/bake

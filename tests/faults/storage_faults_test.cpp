@@ -1,6 +1,6 @@
-// Whole bakes, through the real coordinator, worker and store, on a disk that fails in every way we can
-// think of: afterwards nothing wrong may lie under a final name, and once the cause is gone the same
-// command must end in the very bytes of a bake that nothing disturbed.
+// Whole bakes, through the real coordinator, worker and store, on a disk that fails in every way we
+// can think of: afterwards nothing wrong may lie under a final name, and once the cause is gone the
+// same command must end in the very bytes of a bake that nothing disturbed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/time.h>
@@ -39,7 +39,9 @@ struct Ended {
   std::string said;  ///< all of stderr
 };
 
-bool is_artifact(const std::string& name) { return name.ends_with(".h5") && name.find("/artifacts/") != std::string::npos; }
+bool is_artifact(const std::string& name) {
+  return name.ends_with(".h5") && name.find("/artifacts/") != std::string::npos;
+}
 
 /// What a bake is for: its artifacts, package, index and marker. The log and the report hold times.
 Files results(const Files& files) {
@@ -138,9 +140,9 @@ class StorageFaults : public testing::Test {
   static constexpr itimerval kNoTimer{};
 
  private:
-  fs::path folder_ = fs::temp_directory_path() /
-                     ("prt.StorageFaults." + std::to_string(getpid()) + "." +
-                      testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path folder_ =
+      fs::temp_directory_path() / ("prt.StorageFaults." + std::to_string(getpid()) + "." +
+                                   testing::UnitTest::GetInstance()->current_test_info()->name());
   Files reference_;
   std::size_t calls_ = 0;
 };

@@ -1,5 +1,5 @@
-// A disk in memory that fails as real ones do: any call may fail, writes go only part of the way, and
-// what was not synced may be gone or torn after the power was lost.
+// A disk in memory that fails as real ones do: any call may fail, writes go only part of the way,
+// and what was not synced may be gone or torn after the power was lost.
 #pragma once
 
 #include <cstddef>

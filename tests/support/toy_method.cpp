@@ -164,4 +164,3 @@ BakeProgram toy_program() {
 
 }  // namespace test
 }  // namespace prt
-

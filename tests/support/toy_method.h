@@ -1,4 +1,5 @@
-// A toy method and a scene of one triangle: the whole bake service with tasks of a few milliseconds.
+// A toy method and a scene of one triangle: the whole bake service with tasks of a few
+// milliseconds.
 //
 // Three stages: `leaf` tasks draw numbers, `pair` tasks add two leaves, and, planned only from what
 // the first stage made, `total` adds everything up. The environment steers faults from outside the

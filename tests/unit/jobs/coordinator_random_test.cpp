@@ -203,8 +203,10 @@ class Simulation {
       if (!mute_.contains(w)) feed(Heartbeat{w});
     }
     const int dice = pick(rng_, 99);
-    if (dice < 4) {
+    if (dice < 3) {
       join();
+    } else if (dice < 4) {
+      feed(WorkerJoined{pick(rng_, next_worker_ - 1), 1 + pick(rng_, 2)});
     } else if (dice < 8) {
       feed(WorkerLost{pick(rng_, next_worker_)});
     } else if (dice < 10) {

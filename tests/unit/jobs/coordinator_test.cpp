@@ -138,6 +138,21 @@ TEST(Coordinator, ALostWorkersTasksGoToOthers) {
   EXPECT_TRUE(c(done(1, a.assignment)).empty());
 }
 
+TEST(Coordinator, AWorkerThatJoinsAgainStartsWithNothing) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(TasksAdded{{make_task("a")}, true});
+  EXPECT_THAT(assigned(c(WorkerJoined{0, 1})), testing::ElementsAre("a"));
+}
+
+TEST(Coordinator, AWorkerThatJoinsAfterTheEndIsSentHome) {
+  Checked c;
+  c(StopRequested{ExitCode::kInterrupted});
+  const auto dismissed = only<Dismiss>(c(WorkerJoined{3, 1}));
+  ASSERT_EQ(dismissed.size(), 1U);
+  EXPECT_EQ(dismissed[0].worker, 3);
+}
+
 TEST(Coordinator, ASilentWorkersLeaseRunsOut) {
   Checked c({}, 10.0);
   c(Tick{100.0});
@@ -185,6 +200,31 @@ TEST(Coordinator, ABadInputIsMadeAgainAndItsReadersWait) {
   const auto commands = c(done(0, again[0].assignment));
   EXPECT_TRUE(only<Record>(commands).empty());  // the manifest has it
   EXPECT_THAT(assigned(commands), testing::ElementsAre("b"));
+}
+
+TEST(Coordinator, ALateComplaintDoesNotTakeTheTaskFromItsNewWorker) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(
+      c(TasksAdded{{make_task("a", {}, 9), make_task("b", {"a"}, 8), make_task("c")}, true}))[0];
+  c(done(0, a.assignment));  // worker 0 has b now
+  c(WorkerLost{0});
+  EXPECT_THAT(assigned(c(WorkerJoined{1, 1})), testing::ElementsAre("b"));
+  const auto assigns = only<Assign>(c(InputUnsound{0, "b", "a"}));
+  ASSERT_EQ(assigns.size(), 1U) << "worker 1 is busy";
+  EXPECT_EQ(assigns[0].worker, 0);
+  EXPECT_EQ(assigns[0].assignment.task.id, "a");
+}
+
+TEST(Coordinator, AFailureOfATaskThatAnotherHasDoneIsNoFailure) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  const auto a = only<Assign>(c(TasksAdded{{make_task("a"), make_task("b")}, true}))[0];
+  c(WorkerLost{0});
+  const auto again = only<Assign>(c(WorkerJoined{1, 1}))[0];
+  c(done(1, again.assignment));
+  EXPECT_TRUE(only<Fail>(c(TaskFailed{0, a.assignment.task.id, "no memory left", false})).empty());
+  EXPECT_TRUE(c.coordinator.result(a.assignment.task.id).has_value());
 }
 
 TEST(Coordinator, GivesUpOnAnInputThatNeverReads) {

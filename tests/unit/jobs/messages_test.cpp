@@ -2,25 +2,33 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <tuple>
+
 #include "graph.h"
 
 namespace prt {
 namespace {
 
 TEST(Messages, AnAssignmentSurvivesTheWire) {
-  TaskSpec task = test::make_task("transfer/0001", {"rays/0001"}, 0.1);
+  const std::string odd = "rays/\"\\\n\xc3\xa4";  // nothing of ours, and JSON's trouble
+  TaskSpec task = test::make_task("transfer/0001", {"rays/0001", odd}, 0.1);
   task.version = 7;
   task.scene_parts = kGeometry | kMaterials;
   task.parameters = {{"tolerance", 1e-3}, {"cluster", 1}, {"point", {0.1, 2.0, -3.5}}};
   Assignment a{task, hash_text("key"), hash_text("expected"), {}};
   a.inputs.push_back({"rays/0001", "rays", hash_text("k"), hash_text("c")});
+  a.inputs.push_back({odd, "rays", hash_text("l"), hash_text("d")});
 
   const auto b = std::get<Assignment>(decode_order(encode_order(a)));
-  EXPECT_EQ(to_json(b.task), to_json(a.task));
+  const auto all = [](const TaskSpec& t) {
+    return std::tie(t.id, t.kind, t.version, t.parameters, t.inputs, t.scene_parts, t.cost);
+  };
+  EXPECT_TRUE(all(b.task) == all(a.task));
   EXPECT_EQ(task_key(b.task, {hash_text("c")}, {}), task_key(a.task, {hash_text("c")}, {}));
   EXPECT_EQ(b.key, a.key);
   EXPECT_EQ(b.expected, a.expected);
-  ASSERT_EQ(b.inputs.size(), 1U);
+  ASSERT_EQ(b.inputs.size(), 2U);
   EXPECT_EQ(b.inputs[0].id, "rays/0001");
   EXPECT_EQ(b.inputs[0].stage, "rays");
   EXPECT_EQ(b.inputs[0].key, hash_text("k"));

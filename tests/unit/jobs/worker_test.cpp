@@ -70,6 +70,16 @@ TEST(Worker, LeavesWhenDismissedAndTakesNothingAfterwards) {
   EXPECT_TRUE(worker.handle(Order{assignment("a")}).empty());
 }
 
+TEST(Worker, StartsNothingThatWaitedOnceItIsDismissed) {
+  Worker worker(1, 1);
+  (void)worker.handle(Order{assignment("a")});
+  (void)worker.handle(Order{assignment("b")});
+  (void)worker.handle(Order{Dismissed{ExitCode::kInterrupted}});
+  Outcome dropped;
+  dropped.kind = Outcome::Kind::kDropped;
+  EXPECT_TRUE(worker.handle(SlotFinished{0, dropped}).empty());
+}
+
 TEST(Worker, TellsThatItIsAlive) {
   Worker worker(1, 1, 5.0);
   EXPECT_EQ(only_actions<Report>(worker.handle(Tick{10.0})).size(), 1U);
