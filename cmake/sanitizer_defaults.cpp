@@ -19,13 +19,26 @@ extern "C" const char* __lsan_default_suppressions() {
          "leak:mca_\n";
 }
 
-// TBB synchronises by means that the thread sanitizer does not see.
+// TBB and Open MPI synchronise by means that the thread sanitizer does not see. (Open MPI calls
+// nothing of ours back.)
 extern "C" const char* __tsan_default_suppressions() {
   return "race_top:tbb::\n"
          "race_top:start_for\n"
          "race_top:std::__atomic_base\n"
          "race_top:oneapi/tbb\n"
-         "called_from_lib:libmpi\n"
+         "race:libevent\n"
+         "race:libopen-\n"
+         "race:libpmix\n"
+         "race:libmpi.so\n"
+         "race:openmpi/\n"
+         "mutex:libevent\n"
+         "mutex:libpmix\n"
+         "mutex:openmpi/\n"
+         "deadlock:libevent\n"
+         "deadlock:libpmix\n"
+         "deadlock:libopen-\n"
+         "deadlock:openmpi/\n"
+         "called_from_lib:libmpi.so\n"
          "called_from_lib:libopen-pal\n"
          "called_from_lib:libopen-rte\n"
          "called_from_lib:libpmix\n";

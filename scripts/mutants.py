@@ -9,6 +9,7 @@ of it building the copy.
 """
 
 import argparse
+import os
 import pathlib
 import shutil
 import subprocess
@@ -27,6 +28,7 @@ MANIFEST = "src/store/manifest.cpp"
 RESULTS = "src/apps/bake/bake_results.cpp"
 JOBS_TEST = "jobs_test"
 FAULTS_TEST = "storage_faults_test"
+STORE_TEST = "store_test"
 
 # name, file, text (found once), replacement, test
 MUTANTS = [
@@ -103,16 +105,19 @@ MUTANTS = [
     ("files are renamed before they are synced", STORE, "    file->sync();\n", "", FAULTS_TEST),
     ("folders are not synced", STORE,
      "  fs.sync_dir(path.parent_path().empty() ? Path(\".\") : path.parent_path());\n", "", FAULTS_TEST),
-    ("failed writes leave temporaries", STORE, "      fs.remove(temporary);\n", "", "store_test"),
+    ("failed writes leave temporaries", STORE, "      fs.remove(temporary);\n", "", STORE_TEST),
     ("what was written is not read back", STORE, "read.size() != bytes.size() ||", "read.empty() && !bytes.empty() && false &&",
-     "store_test"),
+     STORE_TEST),
     ("a torn line swallows the next", MANIFEST,
      "  if (!bytes.empty() && bytes.back() != std::byte{'\\n'}) file_->append(std::string_view(\"\\n\"));\n",
-     "", "store_test"),
+     "", STORE_TEST),
     ("damaged lines count", MANIFEST, "hash_text(text).hex() != line.substr(0, kDigestDigits)", "false",
-     "store_test"),
-    ("the old marker stays while results change", RESULTS, "      fs_.remove(file(kCompleteName));\n", "",
-     FAULTS_TEST),
+     STORE_TEST),
+    ("the old marker stays while results change", RESULTS,
+     "      if (fs_.remove(file(kCompleteName))) fs_.sync_dir(folder_.path());\n", "", FAULTS_TEST),
+    ("the old marker may come back", RESULTS,
+     "if (fs_.remove(file(kCompleteName))) fs_.sync_dir(folder_.path());",
+     "fs_.remove(file(kCompleteName));", FAULTS_TEST),
 ]
 
 
@@ -128,11 +133,12 @@ def must(*command):
 
 def copy_sources():
     """Only what differs is written, so that little is built again."""
-    listed = run("git", "-C", ROOT, "ls-files", "--cached", "--others", "--exclude-standard").stdout.split("\n")
-    for name in filter(None, listed):
+    listed = run("git", "-C", ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard").stdout
+    names = {name for name in listed.split("\0") if name and (ROOT / name).is_file()}
+    for old in [p for p in COPY.rglob("*") if p.is_file() and str(p.relative_to(COPY)) not in names]:
+        old.unlink()
+    for name in names:
         source, target = ROOT / name, COPY / name
-        if not source.is_file():
-            continue
         if target.is_file() and target.read_bytes() == source.read_bytes():
             continue
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -148,9 +154,12 @@ def noticed(name, file, old, new, test, seconds):
     try:
         built = run("cmake", "--build", BUILD, "--target", test)
         if built.returncode != 0:
-            sys.exit(f"mutants: '{name}' does not compile:\n{built.stdout[-3000:]}")
+            print(f"'{name}' does not compile; mend the list:\n{built.stdout[-3000:]}")
+            return False
         try:
-            return run(BUILD / "bin" / test, "--gtest_brief=1", timeout=PATIENCE * (seconds + 1)).returncode != 0
+            ran = run(BUILD / "bin" / test, "--gtest_brief=1", timeout=PATIENCE * (seconds + 1),
+                      env={**os.environ, "TMPDIR": str(BUILD / "tmp")})
+            return ran.returncode != 0
         except subprocess.TimeoutExpired:
             return True
     finally:
@@ -163,6 +172,8 @@ def main():
     parser.add_argument("--list", action="store_true", help="name them and do nothing")
     arguments = parser.parse_args()
     chosen = [m for m in MUTANTS if not arguments.names or any(n in m[0] for n in arguments.names)]
+    if not chosen:
+        sys.exit("mutants: no mutant's name contains that; --list shows them")
     if arguments.list:
         for name, file, _, _, test in chosen:
             print(f"{name:50} {file:34} {test}")
@@ -170,6 +181,7 @@ def main():
     copy_sources()
     must("cmake", "-S", COPY, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
          "-DCMAKE_CXX_FLAGS_RELEASE=-O1", "-DCMAKE_UNITY_BUILD=OFF")
+    (BUILD / "tmp").mkdir(exist_ok=True)
     tests = sorted({m[4] for m in chosen})
     print(f"building {', '.join(tests)}", flush=True)
     must("cmake", "--build", BUILD, "--target", *tests)

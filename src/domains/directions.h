@@ -20,7 +20,7 @@ class HemisphereDirections {
   static int nearest_count(int count);
 
   /// Grid of exactly `count` cells, as square as its factors allow. Throws UserError unless
-  /// `count` is its own nearest_count.
+  /// `count` is its own nearest_count. At most 2^30.
   explicit HemisphereDirections(int count);
 
   [[nodiscard]] int count() const { return width_ * height_; }

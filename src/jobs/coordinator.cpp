@@ -67,12 +67,14 @@ void Coordinator::on(const Tick& event) {
     for (auto& [id, worker] : workers_) worker.heard = event.now;
   }
   clock_started_ = true;
-  now_ = std::max(now_, event.now);
-  if (settings_.lease_seconds <= 0.0) return;
+  // Silence is judged at the tick before this one: what was said by then has been heard since, even
+  // if we were busy for longer than a lease.
   std::vector<WorkerId> silent;
   for (const auto& [id, worker] : workers_) {
-    if (worker.present && now_ - worker.heard > settings_.lease_seconds) silent.push_back(id);
+    const bool leased = settings_.lease_seconds > 0.0 && worker.present;
+    if (leased && now_ - worker.heard > settings_.lease_seconds) silent.push_back(id);
   }
+  now_ = std::max(now_, event.now);
   for (const WorkerId id : silent) on(WorkerLost{id});
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace prt {
 
@@ -42,8 +43,9 @@ std::string encode(const Assignment& a) {
   std::string text = j.dump();
   text.pop_back();
   text += ",\"inputs\":[";
+  const char* opening = "[";
   for (const TaskInput& in : a.inputs) {
-    text += text.back() == '[' ? "[" : ",[";
+    text += std::exchange(opening, ",[");
     append_quoted(text, in.id);
     text += ',';
     append_quoted(text, in.stage);

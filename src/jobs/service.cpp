@@ -49,10 +49,10 @@ class CoordinatorLoop {
       const double now = monotonic_seconds();
       if (stop_wanted(settings) || now > drain_until_) return {ExitCode::kInterrupted, ""};
       if (drain_wanted(settings)) events_.emplace_back(DrainRequested{});
-      events_.emplace_back(Heartbeat{kCoordinatorRank});
-      // What came in while we were busy counts before time does, or everybody seems silent.
-      gather();
+      // The time first, so that what came in while we were busy is heard now, and not long ago.
       events_.emplace_back(Tick{now});
+      events_.emplace_back(Heartbeat{kCoordinatorRank});
+      gather();
       tell_alive(now, settings.heartbeat_seconds);
       while (!events_.empty() && !end_) {
         const Event event = std::move(events_.front());
@@ -167,9 +167,9 @@ ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings) {
     if (drain_wanted(settings) && !std::exchange(told_to_drain, true)) {
       link.send(kCoordinatorRank, encode_report(DrainRequested{}));
     }
+    act(worker.handle(Tick{monotonic_seconds()}));
     for (const SlotFinished& finished : slots.take_finished()) act(worker.handle(finished));
     while (const auto message = link.poll()) act(worker.handle(decode_order(message->text)));
-    act(worker.handle(Tick{monotonic_seconds()}));
     if (!end) wait_for_news(link, slots);
   }
   return *end;

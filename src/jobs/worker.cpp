@@ -79,8 +79,10 @@ void Worker::on(const SlotFinished& finished, std::vector<WorkerAction>& actions
 
 void Worker::on(const Tick& tick, std::vector<WorkerAction>& actions) {
   if (now_ == 0.0) heard_ = tick.now;
+  // As the coordinator does: silence until the tick before this one.
+  const bool silent = patience_seconds_ > 0.0 && now_ - heard_ > patience_seconds_;
   now_ = tick.now;
-  if (patience_seconds_ > 0.0 && now_ - heard_ > patience_seconds_ && !leaving_) {
+  if (silent && !leaving_) {
     leaving_ = true;
     waiting_.clear();
     actions.emplace_back(Leave{ExitCode::kInterrupted});

@@ -20,7 +20,8 @@ struct OptionSpec {
   std::string unit;
   std::string meaning;
   std::string source;  ///< paper and equation or section
-  /// What else is wrong with a value in the range, and what to do; empty: nothing.
+  /// What else is wrong with a value that fits (an "auto" included), and what to do; empty:
+  /// nothing.
   std::string (*trouble)(const nlohmann::json& value) = nullptr;
 };
 

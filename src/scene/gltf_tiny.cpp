@@ -120,6 +120,26 @@ bool read_resource(std::vector<unsigned char>* bytes, std::string* /*error*/,
   return true;
 }
 
+/// What TinyGLTF reads instead of files. Newer versions want a callback for everything.
+template <typename Callbacks>
+Callbacks callbacks(Resources& all) {
+  Callbacks files{};
+  files.FileExists = resource_exists;
+  files.ExpandFilePath = [](const std::string& path, void*) { return path; };
+  files.ReadWholeFile = read_resource;
+  files.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
+                            void*) { return false; };
+  if constexpr (requires { files.GetFileSizeInBytes; }) {
+    // It asks to refuse large files; what it may read was read and judged before.
+    files.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string&, void*) {
+      *size = 0;
+      return true;
+    };
+  }
+  files.user_data = &all;
+  return files;
+}
+
 /// Keeps the encoded bytes: gltf_material decodes what it needs, and packages want them as they
 /// are.
 bool keep_encoded(tinygltf::Image* image, int index, std::string* /*error*/,
@@ -165,8 +185,7 @@ std::unique_ptr<tinygltf::Model> tiny_model(const Document& document,
   }
   tinygltf::TinyGLTF reader;
   reader.SetImageLoader(keep_encoded, &all);
-  reader.SetFsCallbacks({resource_exists, [](const std::string& path, void*) { return path; },
-                         read_resource, nullptr, &all});
+  reader.SetFsCallbacks(callbacks<tinygltf::FsCallbacks>(all));
   auto model = std::make_unique<tinygltf::Model>();
   std::string error;
   std::string warning;

@@ -106,8 +106,6 @@ void ArtifactStore::make_stage(const std::string& stage) {
   const std::lock_guard lock(mutex_);
   if (made_stages_.contains(stage)) return;
   fs_.make_dirs(root() / stage);
-  fs_.sync_dir(root());
-  fs_.sync_dir(bake_dir_);
   made_stages_.insert(stage);
 }
 

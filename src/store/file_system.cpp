@@ -163,11 +163,16 @@ std::vector<std::string> PosixFileSystem::list(const Path& dir) {
 
 void PosixFileSystem::make_dirs(const Path& dir) {
   std::error_code error;
-  std::filesystem::create_directories(dir, error);
-  if (!error && !std::filesystem::is_directory(dir, error) && !error) {
-    error = std::make_error_code(std::errc::not_a_directory);
+  if (std::filesystem::is_directory(dir, error)) return;
+  const Path parent = dir.parent_path();
+  if (!parent.empty() && parent != dir) make_dirs(parent);
+  if (::mkdir(dir.c_str(), 0777) != 0) {
+    // Another rank may have been faster.
+    const int reason = errno == EEXIST ? ENOTDIR : errno;
+    if (errno == EEXIST && std::filesystem::is_directory(dir, error)) return;
+    throw FileError(dir, "make the folder", reason);
   }
-  if (error) throw FileError(dir, "make the folder", error.value());
+  sync_dir(parent.empty() ? Path(".") : parent);
 }
 
 std::unique_ptr<FileLock> PosixFileSystem::lock(const Path& path, const std::string& owner) {

@@ -66,6 +66,8 @@ class FileSystem {
   virtual bool remove(const Path& path) = 0;
   /// Names in a folder, sorted; none if there is no such folder.
   virtual std::vector<std::string> list(const Path& dir) = 0;
+  /// The folder and those above it, as far as they are missing; they survive a crash of the
+  /// machine.
   virtual void make_dirs(const Path& dir) = 0;
   /// An exclusive lock on the file (made if missing), or null while another process, or another
   /// lock of this one, holds it. The holder's `owner` text is left in the file for messages.

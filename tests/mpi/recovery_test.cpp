@@ -90,6 +90,21 @@ TEST_F(Recovery, ARankThatWakesUpLateIsTakenBack) {
   expect_the_undisturbed_bytes();
 }
 
+TEST(SlowDisk, TakesNobodyForLost) {
+  const ToyFolder undisturbed;
+  ASSERT_EQ(run(undisturbed, {}), 0);
+  const ToyFolder folder;
+  // Each sync of the manifest keeps the coordinator from listening for longer than a lease.
+  EXPECT_EQ(run(folder, {2,
+                         1,
+                         {"--set", "jobs.lease=0.5"},
+                         {{"PRT_TOY_SPIN_US", "50000"}, {"PRT_TOY_SLOW_SYNC_MS", "800"}}}),
+            0);
+  EXPECT_THAT(log_of(folder), testing::Not(testing::HasSubstr("silent")));
+  EXPECT_THAT(log_of(folder), testing::HasSubstr("61 tasks made, 0 found"));
+  EXPECT_EQ(folder.results(), undisturbed.results());
+}
+
 TEST(Drain, RunningTasksEndAndTheBakeIsResumable) {
   const ToyFolder undisturbed;
   ASSERT_EQ(run(undisturbed, {}), 0);

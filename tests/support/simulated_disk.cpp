@@ -60,14 +60,13 @@ class SimulatedDisk::Lock : public FileLock {
   Path path_;
 };
 
-SimulatedDisk::SimulatedDisk(const Path& root) {
-  names_[root] = nullptr;
-  synced_names_ = names_;
-}
+SimulatedDisk::SimulatedDisk(const Path& root) : SimulatedDisk(Names{{root, nullptr}}) {}
 
 void SimulatedDisk::ask(DiskCall kind, const Path& path) {
   if (!powered_) throw FileError(path, "reach", EIO);
-  const Call call{kind, path, calls_++};
+  const bool counted = !path.filename().string().starts_with(uncounted);
+  const Call call{kind, path, calls_};
+  calls_ += counted ? 1 : 0;
   if (before) before(call);
 }
 
@@ -100,9 +99,9 @@ void SimulatedDisk::lose_power() {
   powered_ = false;
 }
 
-void SimulatedDisk::restart(std::uint64_t seed) {
+std::shared_ptr<SimulatedDisk> SimulatedDisk::after_outage(std::uint64_t seed) const {
   const std::scoped_lock guard(mutex_);
-  Random random(stream_key(seed, "restart"), 0);
+  Random random(stream_key(seed, "outage"), 0);
   Names left = synced_names_;
   for (const auto& [dir, changes] : unsynced_) {
     for (const Change& change : changes) {
@@ -111,23 +110,12 @@ void SimulatedDisk::restart(std::uint64_t seed) {
       if (!change.made.empty()) left[change.made] = change.file;
     }
   }
-  // What lies in a folder that is gone is gone.
-  std::erase_if(left, [&](const auto& entry) {
-    const Path parent = entry.first.parent_path();
-    return parent != parent.root_path() && !left.contains(parent);
-  });
-  names_.clear();
   for (auto& [name, file] : left) {
-    if (!file) {
-      names_[name] = nullptr;
-      continue;
-    }
+    if (!file) continue;
     const Bytes bytes = survivor(file->synced, file->now, random);
-    names_[name] = std::make_shared<Content>(Content{bytes, bytes});
+    file = std::make_shared<Content>(Content{bytes, bytes, 0, 0});
   }
-  synced_names_ = names_;
-  unsynced_.clear();
-  powered_ = true;
+  return std::shared_ptr<SimulatedDisk>(new SimulatedDisk(std::move(left)));
 }
 
 std::map<std::string, std::vector<std::byte>> SimulatedDisk::files() const {
@@ -145,7 +133,7 @@ std::unique_ptr<WritableFile> SimulatedDisk::create(const Path& path) {
     require_folder(path.parent_path());
     // Emptying a file keeps what was synced, until the next sync.
     if (const File old = find(path)) {
-      old->now.clear();
+      *old = {{}, old->synced, 0, 0};
     } else {
       apply({{}, path, std::make_shared<Content>()});
     }
@@ -153,7 +141,7 @@ std::unique_ptr<WritableFile> SimulatedDisk::create(const Path& path) {
   try {
     ask(DiskCall::kCreate, path);
   } catch (...) {
-    if (powered_ && calls_ % 2 == 0) make();
+    if (powered_ && failed_calls_happen && names_.contains(path.parent_path())) make();
     throw;
   }
   make();
@@ -194,10 +182,14 @@ void SimulatedDisk::sync(const File& file, const Path& path) {
   try {
     ask(DiskCall::kSync, path);
   } catch (...) {
-    if (powered_) file->now = file->synced;
+    if (file->lost_to == 0) file->lost_from = file->synced.size();
+    file->lost_to = file->now.size();
     throw;
   }
   file->synced = file->now;
+  for (std::size_t i = file->lost_from; i < std::min(file->lost_to, file->now.size()); ++i) {
+    file->synced[i] = std::byte{0};
+  }
 }
 
 void SimulatedDisk::rename(const Path& from, const Path& to) {
@@ -210,7 +202,7 @@ void SimulatedDisk::rename(const Path& from, const Path& to) {
   try {
     ask(DiskCall::kRename, to);
   } catch (...) {
-    if (powered_ && calls_ % 2 == 0) move();
+    if (powered_ && failed_calls_happen && find(from)) move();
     throw;
   }
   move();
@@ -277,7 +269,8 @@ void SimulatedDisk::make_dirs(const Path& dir) {
     if (found != names_.end() && found->second) {
       throw FileError(dir, "make the folder", ENOTDIR);
     }
-    if (found == names_.end()) apply({{}, path, nullptr});
+    names_[path] = nullptr;
+    synced_names_[path] = nullptr;
   }
 }
 

@@ -40,8 +40,8 @@ bool changes_disk(DiskCall call);
 ///   missing, or end in the middle, by chance, and what is missing may read as zeros.
 /// - Names survive as they were when their folder was last synced; each later change to a folder
 ///   (a rename is one change) survives or not by chance, independent of the others.
-/// - A write that fails may have written its first half, a rename or creation that fails may have
-///   happened, and a sync that fails drops what was not synced, so that a later one cannot save it.
+/// - A write that fails may have written its first half; a rename or creation that fails may have
+///   happened; what a failed sync should have saved can be read on, but no later sync saves it.
 class SimulatedDisk : public FileSystem {
  public:
   struct Call {
@@ -55,13 +55,17 @@ class SimulatedDisk : public FileSystem {
 
   /// Asked before each call; a FileError or other exception that it throws fails the call.
   std::function<void(const Call&)> before;
-  /// Bytes of all files together; a write beyond fails with ENOSPC.
+  /// Whether a creation or rename that fails has happened all the same.
+  bool failed_calls_happen = false;
+  /// Calls on files whose name begins so are not counted: those that come by the clock.
+  std::string uncounted = "no such name";
+  /// Bytes of all files together, locks aside; a write beyond fails with ENOSPC.
   std::uint64_t capacity = std::numeric_limits<std::uint64_t>::max();
 
-  /// From now on every call fails, until restart.
+  /// From now on every call fails.
   void lose_power();
-  /// What is left after a loss of power, by chance of `seed`.
-  void restart(std::uint64_t seed);
+  /// What a loss of power leaves of this disk, by chance of `seed`; one outage has many outcomes.
+  [[nodiscard]] std::shared_ptr<SimulatedDisk> after_outage(std::uint64_t seed) const;
 
   [[nodiscard]] std::size_t calls() const { return calls_; }
   /// All files as a program would read them.
@@ -81,8 +85,10 @@ class SimulatedDisk : public FileSystem {
  private:
   using Bytes = std::vector<std::byte>;
   struct Content {
-    Bytes now;     ///< as programs read it
-    Bytes synced;  ///< as it survives
+    Bytes now;                  ///< as programs read it
+    Bytes synced;               ///< as it survives
+    std::size_t lost_from = 0;  ///< what a failed sync has dropped: [lost_from, lost_to)
+    std::size_t lost_to = 0;
   };
   using File = std::shared_ptr<Content>;
   /// Null: a folder.
@@ -96,6 +102,7 @@ class SimulatedDisk : public FileSystem {
   class Handle;
   class Lock;
 
+  explicit SimulatedDisk(Names names) : names_(std::move(names)), synced_names_(names_) {}
   void ask(DiskCall kind, const Path& path);
   void require_folder(const Path& path) const;
   void apply(const Change& change);

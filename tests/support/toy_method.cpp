@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <new>
 #include <string>
+#include <thread>
 
 #include "base/error.h"
 #include "base/random.h"
@@ -142,6 +143,39 @@ Scene load_toy_scene(const std::filesystem::path& file) {
   return scene;
 }
 
+/// A disk that takes its time over files that grow.
+class SlowFileSystem : public PosixFileSystem {
+ public:
+  explicit SlowFileSystem(std::chrono::milliseconds delay) : delay_(delay) {}
+  std::unique_ptr<WritableFile> open_append(const Path& path) override {
+    return std::make_unique<SlowFile>(PosixFileSystem::open_append(path), delay_);
+  }
+
+ private:
+  class SlowFile : public WritableFile {
+   public:
+    SlowFile(std::unique_ptr<WritableFile> file, std::chrono::milliseconds delay)
+        : file_(std::move(file)), delay_(delay) {}
+    void append(std::span<const std::byte> bytes) override { file_->append(bytes); }
+    void sync() override {
+      std::this_thread::sleep_for(delay_);
+      file_->sync();
+    }
+
+   private:
+    std::unique_ptr<WritableFile> file_;
+    std::chrono::milliseconds delay_;
+  };
+
+  std::chrono::milliseconds delay_;
+};
+
+std::shared_ptr<FileSystem> toy_file_system() {
+  const std::string delay = environment("PRT_TOY_SLOW_SYNC_MS");
+  if (delay.empty()) return std::make_shared<PosixFileSystem>();
+  return std::make_shared<SlowFileSystem>(std::chrono::milliseconds(std::stol(delay)));
+}
+
 std::vector<std::byte> encode_toy_package(const Package& package) {
   const std::string text = package.provenance.dump();
   const auto bytes = std::as_bytes(std::span(text.data(), text.size()));
@@ -159,7 +193,8 @@ BakeProgram toy_program() {
           load_toy_scene,
           [](const Scene&, const std::string&) { return std::unique_ptr<RayCaster>(); },
           [] { return std::string("avx2"); },
-          encode_toy_package};
+          encode_toy_package,
+          toy_file_system()};
 }
 
 }  // namespace test

@@ -40,7 +40,8 @@ class Results {
     const bool is_new = !same_package() || history_.made() > 0 || !fs_.size(file(kCompleteName)) ||
                         !fs_.size(file(kReportName)) || !fs_.size(file(kIndexName));
     if (is_new) {
-      fs_.remove(file(kCompleteName));
+      // Gone for good before anything changes that it vouches for.
+      if (fs_.remove(file(kCompleteName))) fs_.sync_dir(folder_.path());
       replace_file(fs_, file(package_name()), package_);
       write_folder_index();
       write_report();

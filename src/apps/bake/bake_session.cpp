@@ -101,6 +101,7 @@ class Session {
       folder_ = BakeFolder::open(fs_, config_.output, identity(*config_.method, scene_, isa_),
                                  command_.fresh);
     });
+    // Last, so that what is wrong with the input is told alone. No thread runs yet.
     share_machine();
     return ranks_.rank() == 0 ? coordinate() : work();
   }

@@ -62,7 +62,8 @@ std::string bytes_text(std::uint64_t bytes) {
 
 std::string figure_text(const json& figure, const char* format) {
   if (figure.is_null()) return "-";
-  return fmt::vformat(format, fmt::make_format_args(figure.get<double>()));
+  const double number = figure.get<double>();
+  return fmt::vformat(format, fmt::make_format_args(number));
 }
 
 void append_stages(std::string& out, const BakeTables& tables) {

@@ -85,7 +85,7 @@ class Simulation {
   explicit Simulation(unsigned seed) : rng_(seed), stages_(random_stages(rng_)) { start(); }
 
   void run() {
-    for (int i = 0; !all_done_; ++i) {
+    for (int i = 0; !all_done_ || !results_can_be_read(); ++i) {
       ASSERT_LT(i, kMostEvents) << "the bake does not end";
       step();
       if (HasFatalFailure()) return;
@@ -165,6 +165,7 @@ class Simulation {
     if (stage_done) plan();
     if (!drained) return;
     ASSERT_TRUE(draining_);
+    disk_.unsynced.clear();  // the program syncs at an orderly end
     start();
   }
 
@@ -185,6 +186,32 @@ class Simulation {
     }
     const bool last = ++planned_ == stages_.size();
     feed(TasksAdded{tasks, last});
+  }
+
+  /// A connection that breaks, or a process that dies: nothing more is heard of that one.
+  void lose(WorkerId worker) {
+    if (pick(rng_, 1) == 0) {
+      std::erase_if(running_, [&](const Running& r) { return r.worker == worker; });
+      mute_.insert(worker);
+    }
+    feed(WorkerLost{worker});
+  }
+
+  /// As the program, which reads what it needs in the end, and says so if it cannot.
+  bool results_can_be_read() {
+    for (const auto& stage : stages_) {
+      for (const TaskSpec& task : stage) {
+        const auto result = c_->result(task.id);
+        const bool there =
+            !result || disk_.artifacts.contains(result->key) || disk_.let_go.contains(result->key);
+        if (there) continue;
+        all_done_ = false;
+        asked_for_.insert(task.id);
+        feed(ResultUnsound{task.id});
+        return false;
+      }
+    }
+    return true;
   }
 
   void join() { feed(WorkerJoined{next_worker_++, 1 + pick(rng_, 2)}); }
@@ -208,7 +235,7 @@ class Simulation {
     } else if (dice < 4) {
       feed(WorkerJoined{pick(rng_, next_worker_ - 1), 1 + pick(rng_, 2)});
     } else if (dice < 8) {
-      feed(WorkerLost{pick(rng_, next_worker_)});
+      lose(pick(rng_, next_worker_));
     } else if (dice < 10) {
       mute_.insert(pick(rng_, next_worker_ - 1));
     } else if (dice < 14 && !finished_.empty()) {

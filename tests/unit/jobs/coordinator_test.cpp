@@ -162,7 +162,20 @@ TEST(Coordinator, ASilentWorkersLeaseRunsOut) {
   c(Tick{108.0});
   c(Heartbeat{1});
   EXPECT_TRUE(assigned(c(Tick{110.0})).empty());
-  EXPECT_THAT(assigned(c(Tick{110.5})), testing::ElementsAre("a"));
+  EXPECT_TRUE(assigned(c(Tick{110.5})).empty());
+  EXPECT_THAT(assigned(c(Tick{110.6})), testing::ElementsAre("a"));
+}
+
+TEST(Coordinator, ItsOwnSilenceIsNotItsWorkers) {
+  Checked c({}, 10.0);
+  c(Tick{100.0});
+  c(WorkerJoined{0, 1});
+  c(WorkerJoined{1, 1});
+  c(Tick{150.0});   // a disk that did not answer
+  c(Heartbeat{1});  // it came meanwhile
+  EXPECT_EQ(c.coordinator.ranks().lost, 0);
+  c(Tick{150.1});
+  EXPECT_THAT(c.coordinator.lost(), testing::ElementsAre(0));
 }
 
 TEST(Coordinator, TheFirstTickTakesNobodyForLost) {
@@ -172,6 +185,7 @@ TEST(Coordinator, TheFirstTickTakesNobodyForLost) {
   c(Tick{5000.0});  // a clock starts anywhere
   EXPECT_EQ(c.coordinator.ranks().lost, 0);
   c(Tick{5010.5});
+  c(Tick{5010.6});
   EXPECT_EQ(c.coordinator.ranks().lost, 1);
 }
 

@@ -92,8 +92,8 @@ TEST(Worker, LeavesWhenItsCoordinatorIsSilentForTooLong) {
   EXPECT_TRUE(worker.handle(Tick{1000.0}).empty());
   EXPECT_TRUE(worker.handle(Tick{1019.0}).empty());
   EXPECT_TRUE(worker.handle(Order{StillHere{}}).empty());
-  EXPECT_TRUE(worker.handle(Tick{1039.0}).empty());
-  const auto actions = worker.handle(Tick{1039.5});
+  EXPECT_TRUE(worker.handle(Tick{1039.5}).empty());
+  const auto actions = worker.handle(Tick{1039.6});
   EXPECT_EQ(only_actions<Leave>(actions).at(0).code, ExitCode::kInterrupted);
   EXPECT_TRUE(worker.handle(Order{assignment("a")}).empty());
 }
