@@ -8,6 +8,7 @@
 
 #include "apps/bake/bake_session.h"
 #include "apps/bake/command_line.h"
+#include "apps/bake/memory.h"
 #include "apps/bake/signals.h"
 #include "base/log.h"
 #include "jobs/mpi/mpi_ranks.h"
@@ -42,6 +43,7 @@ ExitCode run(int argc, char** argv, const BakeProgram& program, Ranks& ranks) {
 }  // namespace
 
 int bake_main(int argc, char** argv, const BakeProgram& program) {
+  keep_freed_memory();
   catch_stop_signals();
   const std::unique_ptr<Ranks> ranks = launched_as_rank() ? make_mpi_ranks() : make_single_rank();
   ExitCode code = ExitCode::kFailure;

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "apps/bake/history.h"
+#include "apps/bake/memory.h"
 #include "base/log.h"
 
 namespace prt {
@@ -107,6 +108,7 @@ void BakeRunner::stay_small() {
   if (resident_bytes() < kTrimAboveBytes) return;
   cache_.clear();
   memo_.trim();
+  return_freed_memory();
 }
 
 }  // namespace prt
