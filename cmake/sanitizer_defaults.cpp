@@ -4,7 +4,7 @@
 /// Libraries stay mapped until the end: a leak's stack in an unloaded plug-in could not be named.
 extern "C" int dlclose(void* /*handle*/) { return 0; }
 
-extern "C" const char* __lsan_default_suppressions() {
+extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "leak:libopen-pal\n"
          "leak:libopen-rte\n"
          "leak:libmpi\n"
@@ -21,7 +21,7 @@ extern "C" const char* __lsan_default_suppressions() {
 
 // TBB and Open MPI synchronise by means that the thread sanitizer does not see. (Open MPI calls
 // nothing of ours back.)
-extern "C" const char* __tsan_default_suppressions() {
+extern "C" const char* __tsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "race_top:tbb::\n"
          "race_top:start_for\n"
          "race_top:std::__atomic_base\n"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace prt {
 
@@ -20,7 +21,7 @@ bool Coordinator::ReadyOrder::operator()(std::size_t a, std::size_t b) const {
 }
 
 Coordinator::Coordinator(Settings settings, KnownContents known)
-    : settings_(settings), contents_(std::move(known)), ready_(ReadyOrder{&tasks_}) {}
+    : settings_(std::move(settings)), contents_(std::move(known)), ready_(ReadyOrder{&tasks_}) {}
 
 std::vector<Command> Coordinator::handle(const Event& event) {
   std::visit([this](const auto& e) { on(e); }, event);

@@ -230,7 +230,7 @@ class Simulation {
       if (!mute_.contains(w)) feed(Heartbeat{w});
     }
     const int dice = pick(rng_, 99);
-    if (dice < 3) {
+    if (dice < 3 || (dice >= 23 && running_.empty() && !draining_)) {
       join();
     } else if (dice < 4) {
       feed(WorkerJoined{pick(rng_, next_worker_ - 1), 1 + pick(rng_, 2)});
@@ -252,8 +252,6 @@ class Simulation {
       feed(DrainRequested{});
     } else if (!running_.empty()) {
       finish();
-    } else if (!draining_) {
-      join();
     }
   }
 
