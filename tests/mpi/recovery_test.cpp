@@ -1,5 +1,5 @@
 // Under mpirun --enable-recovery a rank that dies or hangs costs its running tasks and nothing
-// else; after SIGUSR1 running tasks end before the bake does.
+// else, and a slow disk costs none; after SIGUSR1 running tasks end before the bake does.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
