@@ -72,6 +72,7 @@ class Program {
           const std::map<std::string, std::string>& environment = {})
       : log_(log) {
     std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     process_ = fork();
@@ -165,14 +166,17 @@ inline std::size_t count_artifacts(const fs::path& bake) {
   return count;
 }
 
-/// Contents of all artifacts and the package of a bake, by path within it.
+/// Size and hash of all artifacts and the package of a bake, by path within it.
 inline std::map<std::string, std::string> bake_results(const fs::path& bake) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(bake)) {
     const std::string extension = entry.path().extension().string();
     const bool artifact = entry.path().string().find("/artifacts/") != std::string::npos;
     if (entry.is_regular_file() && (artifact || extension == ".glb")) {
-      files[fs::relative(entry.path(), bake).string()] = read_text(entry.path());
+      const std::string content = read_text(entry.path());
+      files[fs::relative(entry.path(), bake).string()] =
+          std::to_string(content.size()) + " bytes, " +
+          std::to_string(std::hash<std::string>{}(content));
     }
   }
   return files;

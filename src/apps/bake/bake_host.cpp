@@ -79,6 +79,8 @@ void Host::let_go(const std::string& task) {
 
 std::optional<Event> Host::finish(const Coordinator& coordinator) {
   if (!keep_all_) let_go_all();  // what was made a second time for a late reader
+  // What a lost rank was writing; if it only slept, its task has long been done by another.
+  if (any_was_lost_) folder_.store().remove_temporaries();
   try {
     write_results_(*this, [&](const std::string& task) { return coordinator.result(task); });
   } catch (const ResultDistrusted& e) {
@@ -93,7 +95,10 @@ void Host::tick(const Coordinator& coordinator, double now) {
   now_ = now;
   folder_.manifest().sync_if_due(now);
   const int lost = coordinator.ranks().lost;
-  if (lost > lost_) log::warn("{} rank(s) are silent; others take over their tasks", lost);
+  if (lost > lost_) {
+    log::warn("{} rank(s) are silent; others take over their tasks", lost);
+    any_was_lost_ = true;
+  }
   lost_ = lost;
   progress_.tick(coordinator, now);
   status_.tick(coordinator, now);

@@ -49,6 +49,7 @@ class Host : public BakeHost {
   BakePlan plan_;
   std::size_t planned_ = 0;
   int lost_ = 0;
+  bool any_was_lost_ = false;
   double now_ = 0.0;
   std::map<std::string, TaskSpec> specs_;
   std::map<std::string, std::size_t> unfinished_readers_;  // by task, once the plan is complete
