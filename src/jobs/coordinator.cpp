@@ -21,7 +21,12 @@ bool Coordinator::ReadyOrder::operator()(std::size_t a, std::size_t b) const {
 }
 
 Coordinator::Coordinator(Settings settings, KnownContents known)
-    : settings_(std::move(settings)), contents_(std::move(known)), ready_(ReadyOrder{&tasks_}) {}
+    : settings_(std::move(settings)),
+      contents_(std::move(known)),
+      ready_(ReadyOrder{&tasks_}),
+      unplaced_(ReadyOrder{&tasks_}),
+      places_(1),
+      place_index_{{"", 0}} {}
 
 std::vector<Command> Coordinator::handle(const Event& event) {
   std::visit([this](const auto& e) { on(e); }, event);
@@ -33,9 +38,10 @@ std::vector<Command> Coordinator::handle(const Event& event) {
 // ---- workers -----------------------------------------------------------------------------------
 
 void Coordinator::on(const WorkerJoined& event) {
-  WorkerState& worker = workers_[event.worker];
+  WorkerState& worker = workers_.try_emplace(event.worker, ReadyOrder{&tasks_}).first->second;
   lose(worker);
-  free_.erase({-worker.slots, event.worker});
+  withdraw(event.worker, worker);
+  give_up_places(event.worker, worker);
   worker.slots = std::max(1, event.slots);
   worker.present = true;
   worker.heard = now_;
@@ -59,7 +65,8 @@ void Coordinator::on(const WorkerLost& event) {
   const auto it = workers_.find(event.worker);
   if (it == workers_.end() || !it->second.present) return;
   lose(it->second);
-  free_.erase({-it->second.slots, event.worker});
+  withdraw(event.worker, it->second);
+  give_up_places(event.worker, it->second);
   it->second.present = false;
 }
 
@@ -83,9 +90,23 @@ void Coordinator::lose(WorkerState& worker) {
   for (const std::size_t task : std::set<std::size_t>(worker.tasks)) release(task);
 }
 
-void Coordinator::offer(WorkerId id, const WorkerState& worker) {
+void Coordinator::offer(WorkerId id, WorkerState& worker) {
   const int free = worker.slots - static_cast<int>(worker.tasks.size());
-  if (worker.present && free > 0) free_.emplace(-free, id);
+  if (!worker.present || free <= 0) return;
+  free_.emplace(-free, id);
+  if (!worker.ready.empty()) served_.insert(id);
+}
+
+void Coordinator::withdraw(WorkerId id, WorkerState& worker) {
+  free_.erase({static_cast<int>(worker.tasks.size()) - worker.slots, id});
+  served_.erase(id);
+}
+
+/// What it held in memory is lost: its places are anybody's.
+void Coordinator::give_up_places(WorkerId id, WorkerState& worker) {
+  for (const std::size_t place : std::exchange(worker.places, {})) places_[place].holder = -1;
+  unplaced_.merge(worker.ready);
+  served_.erase(id);
 }
 
 // ---- tasks -------------------------------------------------------------------------------------
@@ -122,7 +143,11 @@ bool Coordinator::add_task(const TaskSpec& spec) {
     return same;
   }
   index_[spec.id] = tasks_.size();
-  tasks_.emplace_back().spec = spec;
+  Task& task = tasks_.emplace_back();
+  task.spec = spec;
+  task.place = place_index_.try_emplace(spec.place, places_.size()).first->second;
+  if (task.place == places_.size()) places_.emplace_back();
+  if (task.place > 0) places_[task.place].tasks.push_back(tasks_.size() - 1);
   ++undone_;
   if (!stage_progress_.contains(spec.kind)) stages_.push_back(spec.kind);
   StageProgress& stage = stage_progress_[spec.kind];
@@ -170,7 +195,7 @@ bool Coordinator::has_cycle(std::size_t first_new) const {
 void Coordinator::release(std::size_t index) {
   detach(index);
   Task& task = tasks_[index];
-  ready_.erase(index);
+  remove_ready(index);
   task.state = State::kWaiting;
   if (task.missing == 0) make_ready(index);
 }
@@ -179,7 +204,7 @@ void Coordinator::detach(std::size_t index) {
   Task& task = tasks_[index];
   if (task.state != State::kAssigned) return;
   WorkerState& worker = workers_.at(task.worker);
-  free_.erase({static_cast<int>(worker.tasks.size()) - worker.slots, task.worker});
+  withdraw(task.worker, worker);
   worker.tasks.erase(index);
   offer(task.worker, worker);
   task.worker = -1;
@@ -195,7 +220,41 @@ void Coordinator::make_ready(std::size_t index) {
   Task& task = tasks_[index];
   task.key = key_of(task);
   task.state = State::kReady;
+  add_ready(index);
+}
+
+void Coordinator::take_place(std::size_t index, WorkerId id, WorkerState& worker) {
+  Place& place = places_[index];
+  if (index == 0 || place.holder >= 0) return;
+  place.holder = id;
+  worker.places.push_back(index);
+  for (const std::size_t task : place.tasks) {
+    if (unplaced_.erase(task) > 0) worker.ready.insert(task);
+  }
+}
+
+void Coordinator::add_ready(std::size_t index) {
   ready_.insert(index);
+  const WorkerId holder = places_[tasks_[index].place].holder;
+  if (holder < 0) {
+    unplaced_.insert(index);
+    return;
+  }
+  WorkerState& worker = workers_.at(holder);
+  worker.ready.insert(index);
+  offer(holder, worker);
+}
+
+void Coordinator::remove_ready(std::size_t index) {
+  if (ready_.erase(index) == 0) return;
+  const WorkerId holder = places_[tasks_[index].place].holder;
+  if (holder < 0) {
+    unplaced_.erase(index);
+    return;
+  }
+  WorkerState& worker = workers_.at(holder);
+  worker.ready.erase(index);
+  if (worker.ready.empty()) served_.erase(holder);
 }
 
 void Coordinator::on(const TaskDone& event) {
@@ -217,7 +276,7 @@ void Coordinator::on(const TaskDone& event) {
 
 void Coordinator::finish(std::size_t index, const TaskDone& event) {
   detach(index);
-  ready_.erase(index);
+  remove_ready(index);
   Task& task = tasks_[index];
   task.state = State::kDone;
   task.content = event.content;
@@ -292,12 +351,17 @@ void Coordinator::distrust(std::size_t reader, std::size_t index) {
 
 // ---- decisions ---------------------------------------------------------------------------------
 
+/// A free worker first gets tasks whose place it holds, then those of nobody's place; a task of
+/// somebody else's place only rather than nothing. Of each, the longest.
 void Coordinator::hand_out() {
   while (!stopped_ && !draining_ && !ready_.empty()) {
-    const std::size_t first = *ready_.begin();
-    if (spare(first)) continue;
+    if (spare(*ready_.begin())) continue;
     if (free_.empty()) return;
-    assign(first, free_.begin()->second);
+    const WorkerId worker = served_.empty() ? free_.begin()->second : *served_.begin();
+    const ReadyTasks& own = workers_.at(worker).ready;
+    const ReadyTasks& best = !own.empty() ? own : !unplaced_.empty() ? unplaced_ : ready_;
+    const std::size_t task = *best.begin();
+    if (!spare(task)) assign(task, worker);
   }
 }
 
@@ -312,9 +376,10 @@ bool Coordinator::spare(std::size_t index) {
 void Coordinator::assign(std::size_t index, WorkerId id) {
   WorkerState& worker = workers_.at(id);
   Task& task = tasks_[index];
-  ready_.erase(index);
-  free_.erase({static_cast<int>(worker.tasks.size()) - worker.slots, id});
+  remove_ready(index);
+  withdraw(id, worker);
   worker.tasks.insert(index);
+  take_place(task.place, id, worker);
   offer(id, worker);
   task.state = State::kAssigned;
   task.worker = id;

@@ -77,17 +77,26 @@ class Coordinator {
     std::optional<Digest> key;
     Digest content;
     WorkerId worker = -1;
-  };
-  struct WorkerState {
-    int slots = 0;
-    bool present = true;
-    std::set<std::size_t> tasks;
-    double heard = 0.0;
+    std::size_t place = 0;  ///< in places_
   };
   /// Most expensive first, then by id.
   struct ReadyOrder {
     const std::vector<Task>* tasks;
     bool operator()(std::size_t a, std::size_t b) const;
+  };
+  struct Place {
+    WorkerId holder = -1;  ///< -1: nobody
+    std::vector<std::size_t> tasks;
+  };
+  using ReadyTasks = std::set<std::size_t, ReadyOrder>;
+  struct WorkerState {
+    explicit WorkerState(const ReadyOrder& order) : ready(order) {}
+    int slots = 0;
+    bool present = false;
+    std::set<std::size_t> tasks;
+    double heard = 0.0;
+    std::vector<std::size_t> places;  ///< that it holds: it ran their first task
+    ReadyTasks ready;                 ///< ready tasks of those
   };
 
   void on(const WorkerJoined& event);
@@ -113,7 +122,12 @@ class Coordinator {
   void undo(std::size_t task);
   void distrust(std::size_t reader, std::size_t task);
   void lose(WorkerState& worker);
-  void offer(WorkerId id, const WorkerState& worker);
+  void offer(WorkerId id, WorkerState& worker);
+  void withdraw(WorkerId id, WorkerState& worker);
+  void give_up_places(WorkerId id, WorkerState& worker);
+  void take_place(std::size_t place, WorkerId id, WorkerState& worker);
+  void add_ready(std::size_t task);
+  void remove_ready(std::size_t task);
   void hand_out();
   [[nodiscard]] bool spare(std::size_t task);
   void assign(std::size_t task, WorkerId worker);
@@ -132,7 +146,11 @@ class Coordinator {
   std::map<std::string, StageProgress> stage_progress_;
   std::map<WorkerId, WorkerState> workers_;
   std::set<std::pair<int, WorkerId>> free_;  ///< (-free slots, worker): the freest first
-  std::set<std::size_t, ReadyOrder> ready_;
+  std::set<WorkerId> served_;                ///< of those: who holds the place of a ready task
+  ReadyTasks ready_;
+  ReadyTasks unplaced_;        ///< of those: nobody holds their place
+  std::vector<Place> places_;  ///< the first is that of tasks without one: nobody ever holds it
+  std::unordered_map<std::string, std::size_t> place_index_;
   std::size_t undone_ = 0;
   /// How often a reader could not trust a task's artifact; the planner counts as the task itself.
   std::map<std::pair<std::size_t, std::size_t>, int> distrust_;

@@ -35,6 +35,11 @@ void Coordinator::check_task(std::size_t index) const {
   require(ready_.contains(index) == (task.state == State::kReady), id + ": ready list");
   require(task.state != State::kReady || missing == 0, id + ": ready without its inputs");
   require(task.state != State::kWaiting || missing > 0, id + ": waits for nothing");
+  const WorkerId holder = places_[task.place].holder;
+  require(unplaced_.contains(index) == (task.state == State::kReady && holder < 0),
+          id + ": list of tasks in nobody's place");
+  require(holder < 0 || workers_.at(holder).ready.contains(index) == (task.state == State::kReady),
+          id + ": list of its place's holder");
   require((task.worker >= 0) == (task.state == State::kAssigned), id + ": worker");
   require(task.state == State::kWaiting || task.key.has_value(), id + ": no key");
   if (task.state == State::kDone && missing == 0) {
@@ -50,6 +55,9 @@ void Coordinator::check_workers() const {
     const int free = worker.slots - static_cast<int>(worker.tasks.size());
     require(free >= 0, "a worker holds more tasks than it has slots");
     require(worker.present || worker.tasks.empty(), "a lost worker holds a task");
+    require(worker.present || worker.places.empty(), "a lost worker holds a place");
+    require(served_.contains(id) == (worker.present && free > 0 && !worker.ready.empty()),
+            "list of free workers whose places have ready tasks");
     if (worker.present && free > 0) {
       ++offered;
       require(free_.contains({-free, id}), "a free worker is not offered");

@@ -11,8 +11,9 @@ namespace {
 
 /// Latency of a message against the share of a core that polling costs (1 ms: 2.6 %).
 constexpr std::chrono::microseconds kPollInterval{1000};
-/// Alone there is nothing to poll but the stop flag.
-constexpr std::chrono::microseconds kAloneInterval{20000};
+/// Alone there is nothing to poll but the stop flag, and for a worker without a free slot nothing
+/// but being sent home: a task that ends wakes it all the same.
+constexpr std::chrono::microseconds kCalmInterval{20000};
 constexpr WorkerId kCoordinatorRank = 0;
 
 double monotonic_seconds() {
@@ -26,10 +27,6 @@ bool stop_wanted(const ServiceSettings& settings) {
 
 bool drain_wanted(const ServiceSettings& settings) {
   return settings.drain != nullptr && settings.drain->load();
-}
-
-void wait_for_news(const Link& link, Slots& slots) {
-  slots.wait(link.size() > 1 ? kPollInterval : kAloneInterval);
 }
 
 /// Rank 0's loop: a coordinator, and a worker that it talks to without messages.
@@ -64,7 +61,7 @@ class CoordinatorLoop {
         for (const Command& command : coordinator_.handle(event)) obey(command);
       }
       host_.tick(coordinator_, now);
-      if (!end_) wait_for_news(link_, slots_);
+      if (!end_) slots_.wait(link_.size() > 1 ? kPollInterval : kCalmInterval);
     }
     return *end_;
   }
@@ -170,7 +167,7 @@ ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings) {
     act(worker.handle(Tick{monotonic_seconds()}));
     for (const SlotFinished& finished : slots.take_finished()) act(worker.handle(finished));
     while (const auto message = link.poll()) act(worker.handle(decode_order(message->text)));
-    if (!end) wait_for_news(link, slots);
+    if (!end) slots.wait(worker.has_free_slot() ? kPollInterval : kCalmInterval);
   }
   return *end;
 }

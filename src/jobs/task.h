@@ -22,6 +22,9 @@ struct TaskSpec {
   std::vector<std::string> inputs;  ///< task ids, in the order the code expects
   unsigned scene_parts = kNoScene;
   double cost = 1.0;  ///< rough seconds on one core: longest first
+  /// Tasks of one place read much in common and run on one rank where that costs no waiting; empty:
+  /// anywhere. No result depends on it, and no KEY.
+  std::string place = {};
 };
 
 /// KEY of design §4: hash of kind, version, canonical parameters, inputs' content hashes, and the

@@ -58,6 +58,8 @@ class Worker {
 
   /// First thing to report.
   [[nodiscard]] WorkerJoined join() const;
+  /// Whether an order could be started at once.
+  [[nodiscard]] bool has_free_slot() const { return !idle_.empty(); }
   [[nodiscard]] std::vector<WorkerAction> handle(const WorkerEvent& event);
 
  private:

@@ -43,7 +43,8 @@ std::vector<std::vector<TaskSpec>> random_stages(Rng& rng) {
         if (std::ranges::find(inputs, input) == inputs.end()) inputs.push_back(input);
       }
       const std::string id = "stage" + std::to_string(s) + "/" + std::to_string(i);
-      stages[s].push_back(make_task(id, inputs, pick(rng, 3)));
+      const std::string place = pick(rng, 1) == 0 ? "" : std::to_string(pick(rng, 4));
+      stages[s].push_back(make_task(id, inputs, pick(rng, 3), place));
       made.push_back(id);
     }
     std::ranges::shuffle(stages[s], rng);

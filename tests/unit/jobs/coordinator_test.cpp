@@ -54,6 +54,77 @@ TEST(Coordinator, GivesWorkToTheFreestWorker) {
   EXPECT_EQ(assigns[1].worker, 0);
 }
 
+/// Which worker got which task.
+std::map<std::string, WorkerId> placed(const std::vector<Command>& commands) {
+  std::map<std::string, WorkerId> workers;
+  for (const Assign& a : only<Assign>(commands)) workers[a.assignment.task.id] = a.worker;
+  return workers;
+}
+
+/// Two workers, each of which has run the first task of one of the places x and y.
+struct TwoPlaces {
+  Checked c;
+  TwoPlaces() {
+    c(WorkerJoined{0, 1});
+    c(WorkerJoined{1, 1});
+    const auto first = only<Assign>(
+        c(TasksAdded{{make_task("x0", {}, 2, "x"), make_task("y0", {}, 1, "y")}, false}));
+    EXPECT_EQ(first.size(), 2U);
+    EXPECT_EQ(first[0].worker, 0);
+    for (const Assign& a : first) c(done(a.worker, a.assignment));
+  }
+};
+
+TEST(Coordinator, TasksOfAPlaceStayWithTheWorkerThatHoldsIt) {
+  TwoPlaces two;
+  // Longest first alone would give y1 to worker 0.
+  const auto second =
+      placed(two.c(TasksAdded{{make_task("x1", {}, 2, "x"), make_task("y1", {}, 3, "y")}, true}));
+  EXPECT_EQ(second, (std::map<std::string, WorkerId>{{"x1", 0}, {"y1", 1}}));
+}
+
+TEST(Coordinator, AWorkerTakesItsOwnPlaceThenNobodysThenSomebodyElses) {
+  TwoPlaces two;
+  const auto assigns =
+      only<Assign>(two.c(TasksAdded{{make_task("x1", {}, 1, "x"), make_task("y1", {}, 8, "y"),
+                                     make_task("y2", {}, 7, "y"), make_task("free", {}, 3)},
+                                    true}));
+  ASSERT_EQ(placed(two.c(Tick{0.0})).size(), 0U);
+  ASSERT_EQ(assigned({assigns.begin(), assigns.end()}), (std::vector<std::string>{"x1", "y1"}));
+  const auto next = only<Assign>(two.c(done(0, assigns[0].assignment)));
+  ASSERT_EQ(assigned({next.begin(), next.end()}), std::vector<std::string>{"free"});
+  EXPECT_EQ(assigned(two.c(done(0, next[0].assignment))), std::vector<std::string>{"y2"});
+}
+
+TEST(Coordinator, TasksThatAreReadyTogetherGoWithTheFirstOfTheirPlace) {
+  Checked c;
+  c(WorkerJoined{0, 1});
+  c(WorkerJoined{1, 1});
+  const auto first = only<Assign>(c(TasksAdded{
+      {make_task("x0", {}, 9, "x"), make_task("x1", {}, 8, "x"), make_task("y0", {}, 1, "y")},
+      true}));
+  EXPECT_EQ(placed({first.begin(), first.end()}),
+            (std::map<std::string, WorkerId>{{"x0", 0}, {"y0", 1}}));
+  EXPECT_EQ(placed(c(done(0, first[0].assignment))), (std::map<std::string, WorkerId>{{"x1", 0}}));
+}
+
+TEST(Coordinator, PlacesOfALostWorkerAreAnybodys) {
+  TwoPlaces two;
+  two.c(TasksAdded{{make_task("x1", {}, 2, "x"), make_task("y1", {}, 3, "y")}, false});
+  two.c(WorkerLost{0});
+  EXPECT_EQ(placed(two.c(WorkerJoined{2, 1})), (std::map<std::string, WorkerId>{{"x1", 2}}));
+  two.c(Heartbeat{0});  // back, with nothing in memory
+  const auto third =
+      placed(two.c(TasksAdded{{make_task("x1", {}, 2, "x"), make_task("y1", {}, 3, "y"),
+                               make_task("x2", {}, 2, "x"), make_task("z", {}, 1, "z")},
+                              true}));
+  EXPECT_EQ(third, (std::map<std::string, WorkerId>{{"z", 0}}));
+}
+
+TEST(Coordinator, APlaceReachesNoKey) {
+  EXPECT_EQ(task_key(make_task("a", {}, 1, "x"), {}, {}), task_key(make_task("a"), {}, {}));
+}
+
 TEST(Coordinator, StartsATaskOnlyWhenItsInputsAreDoneAndTellsTheirContents) {
   Checked c;
   c(WorkerJoined{0, 4});

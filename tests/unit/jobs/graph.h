@@ -9,13 +9,15 @@
 
 namespace prt::test {
 
-inline TaskSpec make_task(std::string id, std::vector<std::string> inputs = {}, double cost = 1.0) {
+inline TaskSpec make_task(std::string id, std::vector<std::string> inputs = {}, double cost = 1.0,
+                          std::string place = {}) {
   TaskSpec task;
   task.kind = id.substr(0, id.find('/'));
   task.parameters = {{"name", id}};
   task.id = std::move(id);
   task.inputs = std::move(inputs);
   task.cost = cost;
+  task.place = std::move(place);
   return task;
 }
 
