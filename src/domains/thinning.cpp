@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 #include "domains/samples.h"
 
@@ -76,29 +75,42 @@ class GrowingGrid {
   float inverse_cell_;
 };
 
-std::vector<std::uint32_t> by_priority(const Candidates& candidates) {
-  std::vector<std::uint32_t> order(candidates.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto pa = candidates.priorities[a];
-    const auto pb = candidates.priorities[b];
-    return pa != pb ? pa > pb : a < b;
+struct Candidate {
+  Vec3f position, normal;
+  float curvature;
+  std::uint32_t index;  ///< in Candidates
+};
+
+/// The candidates, highest priority first. Copies: thinning goes through them several times, and
+/// indices in this order would miss the cache at each.
+std::vector<Candidate> by_priority(const Candidates& candidates) {
+  struct Place {
+    std::uint64_t priority;
+    std::uint32_t index;
+  };
+  std::vector<Place> order(candidates.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = {candidates.priorities[i], i};
+  std::sort(order.begin(), order.end(), [](const Place& a, const Place& b) {
+    return a.priority != b.priority ? a.priority > b.priority : a.index < b.index;
   });
-  return order;
+  std::vector<Candidate> sorted;
+  sorted.reserve(order.size());
+  for (const Place& place : order) {
+    const std::uint32_t i = place.index;
+    sorted.push_back({candidates.positions[i], candidates.normals[i], candidates.curvatures[i], i});
+  }
+  return sorted;
 }
 
-std::vector<std::uint32_t> thin_in_order(const Candidates& candidates,
-                                         std::span<const std::uint32_t> order, float radius,
+std::vector<std::uint32_t> thin_in_order(std::span<const Candidate> pool, float radius,
                                          float min_cosine) {
   std::vector<std::uint32_t> kept;
-  GrowingGrid grid(order.size() / 16, radius);
-  for (const std::uint32_t i : order) {
-    const float r = candidate_radius(radius, candidates.curvatures[i]);
-    const Vec3f& p = candidates.positions[i];
-    const Vec3f& n = candidates.normals[i];
-    if (grid.conflicts(p, n, r, min_cosine)) continue;
-    grid.add(p, n, r);
-    kept.push_back(i);
+  GrowingGrid grid(pool.size() / 16, radius);
+  for (const Candidate& c : pool) {
+    const float r = candidate_radius(radius, c.curvature);
+    if (grid.conflicts(c.position, c.normal, r, min_cosine)) continue;
+    grid.add(c.position, c.normal, r);
+    kept.push_back(c.index);
   }
   std::sort(kept.begin(), kept.end());
   return kept;
@@ -117,7 +129,7 @@ float extent(const Candidates& candidates) {
 }  // namespace
 
 std::vector<std::uint32_t> thin(const Candidates& candidates, float radius, float min_cosine) {
-  return thin_in_order(candidates, by_priority(candidates), radius, min_cosine);
+  return thin_in_order(by_priority(candidates), radius, min_cosine);
 }
 
 ThinnedTo thin_to_count(const Candidates& candidates, std::size_t count, float min_cosine) {
@@ -128,14 +140,14 @@ ThinnedTo thin_to_count(const Candidates& candidates, std::size_t count, float m
     return static_cast<double>(have) / static_cast<double>(want) - 1.0;
   };
   // Finds the radius by secant steps (count ∝ radius^-2) inside a bracket that every try narrows.
-  const auto search = [&](std::span<const std::uint32_t> pool, std::size_t want, float radius,
+  const auto search = [&](std::span<const Candidate> pool, std::size_t want, float radius,
                           double tolerance) {
     float low = 0.0F;
     float high = kInfinity;
     ThinnedTo best{radius, {}};
     double best_off = 1e30;
     for (int i = 0; i < kMostTries; ++i) {
-      auto kept = thin_in_order(candidates, pool, radius, min_cosine);
+      auto kept = thin_in_order(pool, radius, min_cosine);
       const double o = off(kept.size(), want);
       if (std::abs(o) < best_off) {
         best_off = std::abs(o);
@@ -156,7 +168,7 @@ ThinnedTo thin_to_count(const Candidates& candidates, std::size_t count, float m
       extent(candidates) / std::sqrt(static_cast<float>(std::max<std::size_t>(1, count)));
   if (!(radius > 0.0F)) radius = 1.0F;
   if (count / 16 >= 32) {
-    const std::span<const std::uint32_t> pool(order.data(), part);
+    const std::span<const Candidate> pool(order.data(), part);
     radius = search(pool, count / 16, 4.0F * radius, 0.05).radius / 4.0F;
   }
   return search(order, count, radius, kTolerance);

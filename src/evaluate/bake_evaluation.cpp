@@ -155,14 +155,14 @@ std::vector<std::string> evaluation_kinds() { return {kReference, kEvaluate}; }
 
 Artifact run_reference(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
+  const auto search = shared_search(reader, 0);
   const auto& p = task.parameters;
   ReferenceSettings settings;
   settings.seed = p["seed"].get<std::uint64_t>();
   settings.points = p["points"].get<std::size_t>();
   settings.paths = p["spp"].get<int>();
   settings.clearance = light_clearance(shared->samples, kTestClearance);
-  const ReferenceInputs inputs{reader.scene(), reader.ray_caster(), shared->samples,
-                               shared->search};
+  const ReferenceInputs inputs{reader.scene(), reader.ray_caster(), shared->samples, *search};
   return to_artifact(trace_reference(inputs, settings, p["light"].get<std::size_t>(), 1,
                                      [&] { check_stop(reader); }));
 }

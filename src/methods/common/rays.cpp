@@ -19,6 +19,7 @@ std::size_t plan_rays(const PlanInputs& inputs, Plan& plan) {
     spec.scene_parts = kGeometry;
     spec.parameters = {{"cluster", c}, {"directions", directions}};
     spec.cost = 2e-7 * directions * (begin[c + 1] - begin[c]);
+    spec.place = cluster_place(c);
     plan.tasks.push_back(spec);
   }
   return begin.size() - 1;
@@ -28,13 +29,14 @@ std::vector<std::string> rays_kinds() { return {"rays"}; }
 
 Artifact run_rays(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
+  const auto search = shared_search(reader, 0);
   const auto cluster = task.parameters["cluster"].get<std::uint32_t>();
   const HemisphereDirections directions(task.parameters["directions"].get<int>());
   const float bound = reader.scene().diagonal();
   const std::uint32_t begin = shared->samples.cluster_begin[cluster];
   const std::uint32_t end = shared->samples.cluster_begin[cluster + 1];
   const HemisphereRays rays = cast_hemispheres(reader.scene(), reader.ray_caster(), shared->samples,
-                                               shared->search, directions, begin, end, bound);
+                                               *search, directions, begin, end, bound);
   Artifact out;
   const std::vector<std::uint64_t> shape{end - begin,
                                          static_cast<std::uint64_t>(directions.count())};

@@ -28,7 +28,7 @@ constexpr std::size_t kRaysPerCandidate = 40;  // budget where most particles es
 constexpr std::uint64_t kParticlesPerTask = std::uint64_t{1} << 40;
 // Points per sample cell: on the gallery cell areas come out to about 18 %, cluster areas to 0.6 %.
 constexpr double kPointsPerCell = 32.0;
-constexpr std::uint64_t kPointsPerTask = 400000;
+constexpr std::uint64_t kPointsPerTask = 200000;
 constexpr std::uint64_t kMostPoints = 60'000'000;
 // A maximal Poisson-disk set of radius r has about this many samples per r².
 constexpr double kSamplesPerSquareRadius = 0.8;
@@ -235,9 +235,10 @@ Artifact run_points(const TaskSpec& task, const TaskReader& reader) {
 
 Artifact run_cells(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
+  const auto search = shared_search(reader, 0);
   const auto& p = task.parameters;
   const CellPoints points =
-      draw_cell_points(reader.scene(), reader.ray_caster(), shared->samples, shared->search,
+      draw_cell_points(reader.scene(), reader.ray_caster(), shared->samples, *search,
                        cumulative_areas(reader.scene()), p["total"].get<std::uint64_t>(),
                        p["first"].get<std::uint64_t>(), p["count"].get<std::uint64_t>(),
                        stream_key(p["seed"].get<std::uint64_t>(), "cells"));

@@ -7,6 +7,7 @@ namespace prt::lb {
 
 Artifact run_photons(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
+  const auto search = shared_search(reader, 0);
   const auto functions = shared_functions(reader, 1);
   const auto& p = task.parameters;
   const auto cluster = p["cluster"].get<std::uint32_t>();
@@ -21,8 +22,8 @@ Artifact run_photons(const TaskSpec& task, const TaskReader& reader) {
   settings.bounces = p["bounces"].get<int>();
   settings.stream = stream_key(p["seed"].get<std::uint64_t>(), task.id);
   const PhotonTransfer shot =
-      shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, shared->search, points,
-                    cluster, own, p["channels"].get<int>(), settings);
+      shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, *search, points, cluster,
+                    own, p["channels"].get<int>(), settings);
   Artifact out;
   out.put("irradiance", shot.irradiance, "W/m^2",
           "indirect irradiance at all samples by each light function, channels side by side");

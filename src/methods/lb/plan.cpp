@@ -82,6 +82,7 @@ class Planner {
     for (std::size_t c = 0; c < clusters_; ++c) {
       TaskSpec spec = make(kind, numbered(stage, c), {}, kNoScene, 1.0);
       spec.parameters["cluster"] = c;
+      spec.place = cluster_place(c);
       adapt(spec, c);
       plan_.tasks.push_back(spec);
     }
@@ -147,6 +148,7 @@ class Planner {
     return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
   }
 
+  [[nodiscard]] std::size_t channels() const { return static_cast<std::size_t>(channels_); }
   [[nodiscard]] int near_bounces() const {
     return bounces() < 0 ? kNearBounces : std::min(kNearBounces, bounces());
   }
@@ -205,7 +207,8 @@ class Planner {
         spec.inputs = gather_inputs(c, kLightFunctions);
         if (round > 0) {  // enriched by what the last round found
           spec.inputs.push_back(stage("snapshot_functions", round - 1));
-          spec.inputs.push_back(stage("solve", round - 1));
+          const auto solved = all(stage("solve", round - 1), channels());
+          spec.inputs.insert(spec.inputs.end(), solved.begin(), solved.end());
         }
         spec.parameters["channels"] = channels_;
         spec.parameters["rank"] = rank;
@@ -224,9 +227,12 @@ class Planner {
       inputs = all(snapshot, clusters_);
       const auto rows = all(galerkin, clusters_);
       inputs.insert(inputs.end(), rows.begin(), rows.end());
-      TaskSpec spec = make("solve", solve, inputs, kNoScene, 1.0);
-      spec.parameters = {{"channels", channels_}, {"bounces", bounces()}};
-      plan_.tasks.push_back(spec);
+      for (std::size_t channel = 0; channel < channels(); ++channel) {
+        TaskSpec spec = make("solve", numbered(solve, channel), inputs, kNoScene, 1.0);
+        spec.parameters = {{"channels", channels_}, {"channel", channel}, {"bounces", bounces()}};
+        spec.version = 2;
+        plan_.tasks.push_back(spec);
+      }
     }
     per_cluster("transfer", transfer_stage_, [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = gather_inputs(c, kLightFunctions);
@@ -234,7 +240,8 @@ class Planner {
       spec.inputs.insert(spec.inputs.end(), near.begin(), near.end());
       if (!one_bounce) {
         spec.inputs.push_back(bundle);
-        spec.inputs.push_back(solve);
+        const auto solved = all(solve, channels());
+        spec.inputs.insert(spec.inputs.end(), solved.begin(), solved.end());
       }
       spec.parameters["channels"] = channels_;
       spec.parameters["near_bounces"] = near_bounces();

@@ -22,11 +22,11 @@ Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader);
 Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader);
 /// samples, albedo, rays/c, snapshot_functions → one cluster's rows of the reduced operator.
 Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader);
-/// snapshot/*, galerkin/* → solution of the reduced system for every light function.
+/// snapshot/*, galerkin/* → solution of one channel's reduced system for every light function.
 Artifact run_solve(const TaskSpec& task, const TaskReader& reader);
 /// samples, rays/c → near entries of one cluster's samples.
 Artifact run_near(const TaskSpec& task, const TaskReader& reader);
-/// samples, albedo, rays/c, light_functions, near/*[, snapshot_functions, solve] → compressed
+/// samples, albedo, rays/c, light_functions, near/*[, snapshot_functions, solve/*] → compressed
 /// transfer but for the near series.
 Artifact run_transfer(const TaskSpec& task, const TaskReader& reader);
 /// samples, albedo, rays/c, probes of transfer/* → residual of the transport equation.

@@ -81,17 +81,14 @@ MatrixF training_lights(const MatrixF& lights, Eigen::Index most) {
   return mixed;
 }
 
-/// Adds to once-gathered functions what the reduced system says of all further bounces. Inputs
-/// first_input, first_input + 1: snapshot functions and solution.
+/// Adds to once-gathered functions what the reduced system says of all further bounces. Inputs from
+/// first_input on: snapshot functions, and the solution of each channel.
 std::vector<MatrixF> gather_all_bounces(const Receiver& receiver, const TaskReader& reader,
                                         std::vector<MatrixF> once, std::size_t first_input) {
   const auto snapshots = shared_functions(reader, first_input);
-  const MatrixF solution = reader.input(first_input + 1)->matrix("solution");
   const std::vector<MatrixF> gathered = receiver.gather(*snapshots);
-  const Eigen::Index width = once[0].cols();
   for (std::size_t c = 0; c < once.size(); ++c) {
-    once[c].noalias() +=
-        gathered[c] * solution.middleCols(static_cast<Eigen::Index>(c) * width, width);
+    once[c].noalias() += gathered[c] * reader.input(first_input + 1 + c)->matrix("solution");
   }
   return once;
 }
@@ -143,38 +140,38 @@ Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader) {
 
 Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
   const auto channels = task.parameters["channels"].get<Eigen::Index>();
+  const auto channel = task.parameters["channel"].get<Eigen::Index>();
   const std::size_t clusters = task.inputs.size() / 2;
   std::vector<MatrixF> reduced;
   std::vector<MatrixF> projected;
   Eigen::Index unknowns = 0;
   for (std::size_t c = 0; c < clusters; ++c) {
-    projected.push_back(reader.input(c)->matrix("projected"));
-    reduced.push_back(reader.input(clusters + c)->matrix("reduced"));
+    const auto mine = [&](const MatrixF& all) {
+      const Eigen::Index width = all.cols() / channels;
+      return MatrixF(all.middleCols(channel * width, width));
+    };
+    projected.push_back(mine(reader.input(c)->matrix("projected")));
+    reduced.push_back(mine(reader.input(clusters + c)->matrix("reduced")));
     unknowns += reduced.back().rows();
   }
-  const Eigen::Index functions = projected[0].cols() / channels;
-  MatrixF solution(unknowns, channels * functions);
-  double residual = 0.0;
-  const int bounces = task.parameters["bounces"].get<int>();
-  for (Eigen::Index channel = 0; channel < channels; ++channel) {
-    MatrixD r(unknowns, unknowns);
-    MatrixD b(unknowns, functions);
-    Eigen::Index row = 0;
-    for (std::size_t c = 0; c < clusters; ++c) {
-      const Eigen::Index k = reduced[c].rows();
-      r.middleRows(row, k) = reduced[c].middleCols(channel * unknowns, unknowns).cast<double>();
-      b.middleRows(row, k) = projected[c].middleCols(channel * functions, functions).cast<double>();
-      row += k;
-    }
-    // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
-    const ReducedSolution solved = solve_reduced(r, b, bounces < 0 ? -1 : std::max(0, bounces - 2));
-    solution.middleCols(channel * functions, functions) = solved.x.cast<float>();
-    residual = std::max(residual, solved.residual);
-    check_stop(reader);
+  MatrixD r(unknowns, unknowns);
+  MatrixD b(unknowns, projected[0].cols());
+  Eigen::Index row = 0;
+  for (std::size_t c = 0; c < clusters; ++c) {
+    const Eigen::Index k = reduced[c].rows();
+    r.middleRows(row, k) = reduced[c].cast<double>();
+    b.middleRows(row, k) = projected[c].cast<double>();
+    row += k;
   }
+  check_stop(reader);
+  const int bounces = task.parameters["bounces"].get<int>();
+  // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
+  const ReducedSolution solved = solve_reduced(r, b, bounces < 0 ? -1 : std::max(0, bounces - 2));
   Artifact out;
-  out.put("solution", solution, "W/m", "all bounces of every light function in the snapshot bases");
-  out.attributes = {{"unknowns", unknowns}, {"reduced_residual", residual}};
+  out.put("solution", MatrixF(solved.x.cast<float>()), "W/m",
+          "all bounces of every light function in the snapshot bases, one channel");
+  out.attributes = {
+      {"channel", channel}, {"unknowns", unknowns}, {"reduced_residual", solved.residual}};
   return out;
 }
 
