@@ -253,7 +253,7 @@ fs::path Document::local_file(const Value& uri) const {
     const fs::path folder =
         fs::canonical(file_.has_parent_path() ? file_.parent_path() : ".", error);
     // Follows symbolic links as far as the path exists, so that they cannot lead outside either.
-    const fs::path target = error ? fs::path() : fs::weakly_canonical(folder / relative, error);
+    fs::path target = error ? fs::path() : fs::weakly_canonical(folder / relative, error);
     const fs::path inside = error ? fs::path() : target.lexically_relative(folder);
     if (!inside.empty() && *inside.begin() != ".." && inside != ".") return target;
   }

@@ -20,7 +20,7 @@ Vec3f world_direction(const WorldNode& node, const Eigen::Vector3d& local, const
 }
 
 Vec3f world_position(const WorldNode& node) {
-  const Vec3f position = node.to_world.topRightCorner<3, 1>().cast<float>();
+  Vec3f position = node.to_world.topRightCorner<3, 1>().cast<float>();
   if (!position.allFinite()) node.json.fail("its position is not finite");
   return position;
 }

@@ -1,5 +1,7 @@
 #include "apps/config/config_entries.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -68,8 +70,8 @@ class Flattener {
       const std::string key = prefix + pair.first.Scalar();
       const auto [seen, is_new] = lines_.emplace(key, pair.first.Mark().line + 1);
       if (!is_new) {
-        throw UserError(where + ": duplicate key \"" + key + "\", first on line " +
-                        std::to_string(seen->second) + "; remove one");
+        throw UserError(fmt::format("{}: duplicate key \"{}\", first on line {}; remove one", where,
+                                    key, seen->second));
       }
       add(key, pair.second, where, prefix.empty());
     }
