@@ -105,8 +105,9 @@ class Builder {
   // ---- tasks ------------------------------------------------------------------------------------
 
   void add(const std::string& kind, const std::string& id, Ids inputs, const Load& load,
-           double samples = 1.0) {
+           double samples = 1.0, std::string place = {}) {
     TaskSpec spec;
+    spec.place = std::move(place);
     spec.id = id;
     spec.kind = kind;
     spec.inputs = std::move(inputs);
@@ -119,11 +120,14 @@ class Builder {
   template <typename Inputs>
   void per_cluster(const std::string& kind, std::size_t tile, Inputs&& inputs) {
     for (std::size_t c = first(tile); c < first(tile + 1); ++c) {
-      add(kind, numbered(kind, c), inputs(c), cost_(kind, s_.sizes[c], reach(tile)), s_.sizes[c]);
+      add(kind, numbered(kind, c), inputs(c), cost_(kind, s_.sizes[c], reach(tile)), s_.sizes[c],
+          numbered(s_.tiles == 1 ? "cluster" : "tile", s_.tiles == 1 ? c : tile));
     }
   }
   void whole_tile(const std::string& kind, std::size_t tile, Ids inputs) {
-    add(kind, of_tile(kind, tile), std::move(inputs), cost_(kind, samples(tile), reach(tile)));
+    Load load = cost_(kind, samples(tile), reach(tile));
+    load.use_group = tile;
+    add(kind, of_tile(kind, tile), std::move(inputs), load);
   }
   /// Names for what all clusters of the near tiles made: the list itself, one gate, or a bundle per
   /// tile, which is a task like any other.
@@ -224,28 +228,35 @@ class Builder {
                 [&](std::size_t c) { return gather_inputs(t, c, "snapshot_functions"); });
   }
 
-  [[nodiscard]] std::string solve_name(std::size_t sweep, std::size_t part) const {
-    if (s_.sweeps == 1 && s_.solve_parts == 1) return "solve";
-    return fmt::format("solve-{}-{}", sweep, part);
+  [[nodiscard]] std::size_t solve_tasks() const { return s_.channels * s_.solve_parts; }
+  [[nodiscard]] std::string solve_name(std::size_t sweep, std::size_t task) const {
+    return numbered(s_.sweeps == 1 ? "solve" : fmt::format("solve-{}", sweep), task);
   }
 
-  /// Today one task solves for the whole scene. Tile by tile, every sweep reads what the last one
-  /// made of the near tiles; a tile's rows may be shared out to several tasks.
+  /// Today one task per channel solves for the whole scene. Tile by tile, every sweep reads what
+  /// the last one made of the near tiles; a tile's rows may be shared out to several tasks.
   void plan_solve() {
     for (std::size_t sweep = 0; sweep < s_.sweeps; ++sweep) {
       for (std::size_t t = 0; t < s_.tiles; ++t) {
-        Ids before;
-        for (std::size_t p = 0; sweep > 0 && p < s_.solve_parts; ++p) {
-          before = join({before, of_near_tiles(solve_name(sweep - 1, p), t)});
-        }
-        for (std::size_t p = 0; p < s_.solve_parts; ++p) {
+        for (std::size_t task = 0; task < solve_tasks(); ++task) {
           Load load = cost_("solve", samples(t), static_cast<double>(clusters(t)));
           load.seconds /= static_cast<double>(s_.solve_parts);
           load.bytes /= static_cast<double>(s_.solve_parts);
-          add("solve", of_tile(solve_name(sweep, p), t), join({solve_rows(t, p), before}), load);
+          const Ids before = sweep > 0 ? solved(sweep - 1, t, task % s_.channels) : Ids{};
+          add("solve", of_tile(solve_name(sweep, task), t),
+              join({solve_rows(t, task / s_.channels), before}), load);
         }
       }
     }
+  }
+  /// What a sweep made of one channel on the near tiles.
+  [[nodiscard]] Ids solved(std::size_t sweep, std::size_t t, std::size_t channel) const {
+    Ids ids;
+    for (std::size_t part = 0; part < s_.solve_parts; ++part) {
+      const std::size_t task = part * s_.channels + channel;
+      ids = join({ids, of_near_tiles(solve_name(sweep, task), t)});
+    }
+    return ids;
   }
   /// What part `part` of a tile's solve reads: the snapshots and rows of its share of the clusters.
   [[nodiscard]] Ids solve_rows(std::size_t t, std::size_t part) const {
@@ -262,8 +273,8 @@ class Builder {
 
   void plan_transfer(std::size_t t) {
     Ids bounces = of_near_tiles("snapshot_functions", t);
-    for (std::size_t p = 0; p < s_.solve_parts; ++p) {
-      bounces = join({bounces, of_near_tiles(solve_name(s_.sweeps - 1, p), t)});
+    for (std::size_t channel = 0; channel < s_.channels; ++channel) {
+      bounces = join({bounces, solved(s_.sweeps - 1, t, channel)});
     }
     const Ids near = all_of("near", t);
     per_cluster("transfer", t, [&](std::size_t c) {

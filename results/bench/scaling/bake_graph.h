@@ -17,10 +17,11 @@ namespace prt::scaling {
 struct Load {
   double seconds = 0.0;  ///< of computing
   double bytes = 0.0;    ///< of its artifact
-  double use_seconds =
-      0.0;             ///< of computing on each rank that reads its artifact: neighbour searches
-  double files = 1.0;  ///< that its artifact stands for, see GraphSettings::gates
-  double stands_for = 0.0;  ///< inputs that its spec leaves out
+  /// Of computing on each rank whose tasks cast rays and read its artifact: the neighbour search.
+  double use_seconds = 0.0;
+  std::size_t use_group = 0;  ///< artifacts of one group share that work
+  double files = 1.0;         ///< that its artifact stands for, see GraphSettings::gates
+  double stands_for = 0.0;    ///< inputs that its spec leaves out
   bool is_written = true;
   bool is_kept = false;  ///< whoever reads it has it already
 };
@@ -57,9 +58,10 @@ struct GraphSettings {
   bool gates = false;
   /// Sweeps of the reduced system over all tiles, and tasks per tile and sweep.
   std::size_t sweeps = 1;
-  std::size_t solve_parts = 1;
+  std::size_t solve_parts = 1;  ///< per channel
+  std::size_t channels = 3;
   double candidate_tasks = 11.0;
-  double cell_tasks = 5.0;
+  double cell_tasks = 10.0;
 };
 
 BakeGraph make_lb_graph(const GraphSettings& settings, const Cost& cost);

@@ -70,8 +70,10 @@ class Cache {
   double bytes_ = 0.0;
 };
 
-/// Whether a task of that kind makes the neighbour search when it reads samples.
-bool needs_search(const std::string& kind) { return kind != "samples" && kind != "evaluate"; }
+/// Whether a task of that kind looks for the samples that its rays hit.
+bool needs_search(const std::string& kind) {
+  return kind == "cells" || kind == "reference" || kind == "rays";
+}
 
 class Simulation {
  public:
@@ -279,10 +281,14 @@ class Simulation {
       const Load& made = graph_.loads[input];
       if (is_gate) break;
       if (made.is_kept) continue;
+      if (made.use_seconds > 0.0 && needs_search(graph_.tasks[task].kind)) {
+        // Kept as long as an artifact of its size would be.
+        const std::size_t search = graph_.tasks.size() + made.use_group;
+        if (!rank.cache.use(search, made.bytes, m_.cache_bytes)) using_them += made.use_seconds;
+      }
       if (rank.cache.use(input, made.bytes, m_.cache_bytes)) continue;
       bytes += made.bytes;
       files += made.files;
-      if (needs_search(graph_.tasks[task].kind)) using_them += made.use_seconds;
     }
     outcome_.read_bytes += bytes;
     overhead_[worker] = files * m_.open_seconds + bytes * m_.decode_per_byte + using_them;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kCitySamplesPerCluster = 1000.0;
 constexpr double kCandidatesPerTask = 100000.0 / 24.0;  // samples: sampling.cpp, 24 candidates each
-constexpr double kSamplesPerCellTask = 400000.0 / 32.0;
-constexpr double kMostCellTasks = 150.0;  // kMostPoints / kPointsPerTask
+constexpr double kSamplesPerCellTask = 200000.0 / 32.0;
+constexpr double kMostCellTasks = 300.0;  // kMostPoints / kPointsPerTask
 // Triangles of the city per sample: a street scene's, as sponza has.
 constexpr double kCityTrianglesPerSample = 2.0;
 
@@ -98,7 +98,7 @@ class GrowthLaws {
     }
     return fit_law(points, power);
   }
-  /// Dense LU of all channels: the cube of the unknowns, and a solution of their square.
+  /// Dense LU of a channel: the cube of the unknowns, and a solution of their square.
   [[nodiscard]] Load solve(double reach) const {
     const KindFigures& figures = middle_.bake.kinds.at("solve");
     const double more = reach / static_cast<double>(middle_.bake.sizes.size());
@@ -157,6 +157,7 @@ Workload measured_workload(const std::string& name, const BakeFacts& facts, cons
   }
   settings.candidate_tasks = static_cast<double>(facts.bake.kinds.at("candidates").tasks);
   settings.cell_tasks = static_cast<double>(facts.bake.kinds.at("cells").tasks);
+  settings.channels = facts.bake.kinds.at("solve").tasks;
   Workload workload{name, {}, machine_of(facts, change)};
   workload.graph = make_lb_graph(settings, [&](const std::string& kind, double samples, double) {
     return changed(measured_load(facts, kind, samples), kind, change);
@@ -171,6 +172,7 @@ Workload replayed_workload(const MeasuredBake& bake) {
   settings.sizes = bake.sizes;
   settings.candidate_tasks = static_cast<double>(bake.kinds.at("candidates").tasks);
   settings.cell_tasks = static_cast<double>(bake.kinds.at("cells").tasks);
+  settings.channels = bake.kinds.at("solve").tasks;
   Workload workload{"replay", {}, ideal_machine(bake.ranks)};
   workload.machine.poll = Machine{}.poll;
   workload.machine.charge_coordinator = true;
