@@ -80,8 +80,8 @@ Artifact to_artifact(const LightReference& reference) {
           "white point light of 1 W/sr");
   out.put<std::uint32_t>("sample_index", reference.sample_index, {reference.sample_index.size()},
                          "1", "samples that are test points");
-  out.put<std::uint8_t>("sample_visibility", reference.traced_visibility,
-                        {reference.traced_visibility.size()}, "1", "1 where the light is seen");
+  out.put<float>("direct", reference.direct, {reference.direct.size()}, "W/m^2",
+                 "direct irradiance at every sample, exact");
   put_set(out, "sample", reference.at_samples);
   put_set(out, "surface", reference.on_surface);
   return out;
@@ -93,11 +93,10 @@ LightReference from_artifact(const Artifact& in) {
   if (position.size() != 1) throw UnsoundData("a reference has not exactly one light");
   reference.light.position = position[0];
   reference.sample_index = in.vector<std::uint32_t>("sample_index");
-  reference.traced_visibility = in.vector<std::uint8_t>("sample_visibility");
+  reference.direct = in.vector<float>("direct");
   reference.at_samples = get_set(in, "sample");
   reference.on_surface = get_set(in, "surface");
-  if (reference.sample_index.size() != reference.at_samples.points.size() ||
-      reference.sample_index.size() != reference.traced_visibility.size()) {
+  if (reference.sample_index.size() != reference.at_samples.points.size()) {
     throw UnsoundData("sample points of a reference do not fit together");
   }
   return reference;
@@ -108,6 +107,7 @@ TaskSpec reference_task(const OptionValues& options, const std::string& samples_
   TaskSpec spec;
   spec.id = numbered(kReference, number);
   spec.kind = kReference;
+  spec.version = 2;
   const auto points = options.get<std::size_t>("evaluate.points");
   const auto spp = options.get<int>("evaluate.spp");
   spec.parameters = {{"light", number},
@@ -124,6 +124,7 @@ TaskSpec evaluate_task(std::size_t lights, const std::vector<std::string>& packa
   TaskSpec spec;
   spec.id = kEvaluate;
   spec.kind = kEvaluate;
+  spec.version = 2;
   spec.parameters = {{"references", lights}};
   for (std::size_t k = 0; k < lights; ++k) spec.inputs.push_back(numbered(kReference, k));
   spec.inputs.insert(spec.inputs.end(), package_results.begin(), package_results.end());

@@ -38,13 +38,21 @@ std::vector<std::size_t> spread(std::size_t count, std::size_t wanted, Random& r
   return chosen;
 }
 
-void trace_visibility(const ReferenceInputs& inputs, LightReference& reference) {
-  reference.traced_visibility.clear();
-  for (const ReceiverPoint& p : reference.at_samples.points) {
-    const bool seen = inputs.caster.visible(offset_origin(inputs.scene, p.position, p.normal),
-                                            reference.light.position);
-    reference.traced_visibility.push_back(seen ? 1 : 0);
+/// Of a point light of 1 W/sr, at every sample.
+std::vector<float> trace_direct(const ReferenceInputs& inputs, const Vec3f& light) {
+  std::vector<float> direct(inputs.samples.size(), 0.0F);
+  for (std::size_t s = 0; s < direct.size(); ++s) {
+    const Vec3f& position = inputs.samples.positions[s];
+    const Vec3f& normal = inputs.samples.normals[s];
+    const Vec3f to_light = light - position;
+    const float squared = to_light.squaredNorm();
+    const float cosine = normal.dot(to_light) / std::sqrt(squared);
+    if (!(cosine > 0.0F)) continue;
+    if (inputs.caster.visible(offset_origin(inputs.scene, position, normal), light)) {
+      direct[s] = cosine / squared;
+    }
   }
+  return direct;
 }
 
 }  // namespace
@@ -136,7 +144,7 @@ LightReference trace_reference(const ReferenceInputs& inputs, const ReferenceSet
   reference.light = draw_test_light(inputs, settings, number);
   choose_sample_points(inputs.samples, settings, number, reference);
   choose_surface_points(inputs, settings, number, reference);
-  trace_visibility(inputs, reference);
+  reference.direct = trace_direct(inputs, reference.light.position);
   const auto trace = [&](TestSet& set, const std::string& name) {
     set.reference = trace_in_parallel(inputs.scene, inputs.caster, {&reference.light, 1},
                                       set.points, {.paths = settings.paths},

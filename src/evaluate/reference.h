@@ -35,11 +35,12 @@ struct TestSet {
 
 /// One test light with everything it is compared by.
 struct LightReference {
-  Light light;         ///< white point light, 1 W/sr
-  TestSet at_samples;  ///< sample_index.size() points
+  Light light;  ///< white point light, 1 W/sr
+  /// Direct irradiance at every sample, W/m², exact: 0 where it faces away or a ray to the light is
+  /// blocked.
+  std::vector<float> direct;
+  TestSet at_samples;  ///< sample_index.size() points, for indirect light
   std::vector<std::uint32_t> sample_index;
-  std::vector<std::uint8_t>
-      traced_visibility;  ///< per sample point: 1 if a ray to the light is free
   TestSet on_surface;
 };
 

@@ -55,18 +55,25 @@ TEST_F(Compare, DirectLightOfAnEmptyBoxIsExactAndIndirectIsMissing) {
 
 TEST_F(Compare, SeesAnErrorOfTenPerCent) {
   LightReference reference = trace(0, 1);
-  for (auto& estimate : reference.at_samples.reference) {
-    for (Vec3f& half : estimate.direct) half /= 1.1F;
-  }
+  for (float& direct : reference.direct) direct /= 1.1F;
   const LightErrors errors = compare(player_, reference);
   EXPECT_NEAR(irradiance_error({&errors.direct, 1}).rel_rmse, 0.1, 1e-4);
 }
 
 TEST_F(Compare, SeesALightThatIsHidden) {
   LightReference reference = trace(0, 1);
-  std::fill(reference.traced_visibility.begin(), reference.traced_visibility.end(), 0);
+  std::ranges::fill(reference.direct, 0.0F);
   const LightErrors errors = compare(player_, reference);
   EXPECT_EQ(visibility_error({&errors.visibility, 1}).wrong_share, 1.0);
+}
+
+TEST_F(Compare, DirectLightAtEverySampleIsThePathTracers) {
+  const LightReference reference = trace(2, 1);
+  ASSERT_EQ(reference.direct.size(), package_.samples.size());
+  for (std::size_t i = 0; i < reference.sample_index.size(); ++i) {
+    const float traced = reference.at_samples.reference[i].direct[0].x();
+    EXPECT_NEAR(reference.direct[reference.sample_index[i]], traced, 1e-5F * traced);
+  }
 }
 
 TEST_F(Compare, ThreadsAndRepetitionChangeNothing) {
