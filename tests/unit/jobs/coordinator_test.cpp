@@ -121,6 +121,30 @@ TEST(Coordinator, PlacesOfALostWorkerAreAnybodys) {
   EXPECT_EQ(third, (std::map<std::string, WorkerId>{{"z", 0}}));
 }
 
+TEST(Coordinator, AWorkerThatJoinsAgainHoldsNothing) {
+  TwoPlaces two;
+  const auto busy = placed(two.c(TasksAdded{{make_task("y1", {}, 1, "y")}, false}));
+  ASSERT_EQ(busy, (std::map<std::string, WorkerId>{{"y1", 1}}));
+  two.c(WorkerJoined{0, 1});
+  // x is as strange to it as z now, and z's task is the longer one.
+  const auto next = placed(two.c(TasksAdded{
+      {make_task("y1", {}, 1, "y"), make_task("x1", {}, 1, "x"), make_task("z1", {}, 5, "z")},
+      true}));
+  EXPECT_EQ(next, (std::map<std::string, WorkerId>{{"z1", 0}}));
+}
+
+TEST(Coordinator, LeasesBeginWithTheFirstTick) {
+  Checked c({}, 1.0);
+  c(WorkerJoined{0, 1});
+  c(Tick{1000.0});
+  c(Tick{1000.5});
+  EXPECT_TRUE(c.coordinator.lost().empty());
+  c(Tick{1002.0});  // judges the silence until 1000.5
+  EXPECT_TRUE(c.coordinator.lost().empty());
+  c(Tick{1002.1});
+  EXPECT_EQ(c.coordinator.lost(), std::vector<WorkerId>{0});
+}
+
 TEST(Coordinator, APlaceReachesNoKey) {
   EXPECT_EQ(task_key(make_task("a", {}, 1, "x"), {}, {}), task_key(make_task("a"), {}, {}));
 }
