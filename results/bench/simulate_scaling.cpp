@@ -204,6 +204,9 @@ void run_cities(const CityFacts& facts, Table& table) {
   print_growth(facts);
   const std::vector<int> counts = {1, 10, 100, 1000, 4000, 10'000};
   run_workload(city_today(facts, kCityClusters), {1, 10, 100, 1000, 10'000}, table);
+  run_workload(
+      city_in_tiles(facts, kCityClusters, {.name = "city-tiles-no-places", .ignores_places = true}),
+      {1, 100, 1000}, table);
   run_workload(city_in_tiles(facts, kCityClusters, {.name = "city-tiles"}), counts, table);
   for (const Change& change : city_changes()) {
     const bool is_shown = change.name == "city-tiles-all";

@@ -174,6 +174,9 @@ Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader, const Pack
   for (std::size_t k = 0; k < task.parameters["references"].get<std::size_t>(); ++k) {
     check_stop(reader);
     const LightReference reference = from_artifact(*reader.input(k));
+    if (reference.direct.size() != package.samples.size()) {
+      throw UnsoundData("a reference has another number of samples");
+    }
     for (const std::uint32_t s : reference.sample_index) {
       if (s >= package.samples.size())
         throw UnsoundData("a reference names a sample that is not there");

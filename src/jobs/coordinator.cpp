@@ -41,7 +41,7 @@ void Coordinator::on(const WorkerJoined& event) {
   WorkerState& worker = workers_.try_emplace(event.worker, ReadyOrder{&tasks_}).first->second;
   lose(worker);
   withdraw(event.worker, worker);
-  give_up_places(event.worker, worker);
+  give_up_places(worker);
   worker.slots = std::max(1, event.slots);
   worker.present = true;
   worker.heard = now_;
@@ -66,7 +66,7 @@ void Coordinator::on(const WorkerLost& event) {
   if (it == workers_.end() || !it->second.present) return;
   lose(it->second);
   withdraw(event.worker, it->second);
-  give_up_places(event.worker, it->second);
+  give_up_places(it->second);
   it->second.present = false;
 }
 
@@ -103,10 +103,9 @@ void Coordinator::withdraw(WorkerId id, WorkerState& worker) {
 }
 
 /// What it held in memory is lost: its places are anybody's.
-void Coordinator::give_up_places(WorkerId id, WorkerState& worker) {
+void Coordinator::give_up_places(WorkerState& worker) {
   for (const std::size_t place : std::exchange(worker.places, {})) places_[place].holder = -1;
   unplaced_.merge(worker.ready);
-  served_.erase(id);
 }
 
 // ---- tasks -------------------------------------------------------------------------------------
@@ -233,28 +232,24 @@ void Coordinator::take_place(std::size_t index, WorkerId id, WorkerState& worker
   }
 }
 
+/// Where a ready task is listed beside ready_: with the holder of its place, or with nobody's.
+Coordinator::ReadyTasks& Coordinator::list_of(std::size_t index) {
+  const WorkerId holder = places_[tasks_[index].place].holder;
+  return holder < 0 ? unplaced_ : workers_.at(holder).ready;
+}
+
 void Coordinator::add_ready(std::size_t index) {
   ready_.insert(index);
+  list_of(index).insert(index);
   const WorkerId holder = places_[tasks_[index].place].holder;
-  if (holder < 0) {
-    unplaced_.insert(index);
-    return;
-  }
-  WorkerState& worker = workers_.at(holder);
-  worker.ready.insert(index);
-  offer(holder, worker);
+  if (holder >= 0) offer(holder, workers_.at(holder));
 }
 
 void Coordinator::remove_ready(std::size_t index) {
   if (ready_.erase(index) == 0) return;
-  const WorkerId holder = places_[tasks_[index].place].holder;
-  if (holder < 0) {
-    unplaced_.erase(index);
-    return;
-  }
-  WorkerState& worker = workers_.at(holder);
-  worker.ready.erase(index);
-  if (worker.ready.empty()) served_.erase(holder);
+  ReadyTasks& list = list_of(index);
+  list.erase(index);
+  if (list.empty()) served_.erase(places_[tasks_[index].place].holder);
 }
 
 void Coordinator::on(const TaskDone& event) {
@@ -351,21 +346,27 @@ void Coordinator::distrust(std::size_t reader, std::size_t index) {
 
 // ---- decisions ---------------------------------------------------------------------------------
 
-/// A free worker first gets tasks whose place it holds, then those of nobody's place; a task of
-/// somebody else's place only rather than nothing. Of each, the longest.
+/// Of the tasks whose place a free worker holds and of those of nobody's place the longest; a task
+/// of somebody else's place only rather than nothing.
+const Coordinator::ReadyTasks& Coordinator::best_for(WorkerId id) const {
+  const ReadyTasks& own = workers_.at(id).ready;
+  if (own.empty()) return unplaced_.empty() ? ready_ : unplaced_;
+  if (unplaced_.empty()) return own;
+  return ready_.key_comp()(*own.begin(), *unplaced_.begin()) ? own : unplaced_;
+}
+
 void Coordinator::hand_out() {
   while (!stopped_ && !draining_ && !ready_.empty()) {
     if (spare(*ready_.begin())) continue;
     if (free_.empty()) return;
     const WorkerId worker = served_.empty() ? free_.begin()->second : *served_.begin();
-    const ReadyTasks& own = workers_.at(worker).ready;
-    const ReadyTasks& best = !own.empty() ? own : !unplaced_.empty() ? unplaced_ : ready_;
-    const std::size_t task = *best.begin();
+    const std::size_t task = *best_for(worker).begin();
     if (!spare(task)) assign(task, worker);
   }
 }
 
 bool Coordinator::spare(std::size_t index) {
+  if (settings_.spared.empty()) return false;
   const Task& task = tasks_[index];
   const auto known = contents_.find(*task.key);
   if (known == contents_.end() || !settings_.spared.contains(*task.key)) return false;

@@ -124,10 +124,12 @@ class Coordinator {
   void lose(WorkerState& worker);
   void offer(WorkerId id, WorkerState& worker);
   void withdraw(WorkerId id, WorkerState& worker);
-  void give_up_places(WorkerId id, WorkerState& worker);
+  void give_up_places(WorkerState& worker);
   void take_place(std::size_t place, WorkerId id, WorkerState& worker);
+  [[nodiscard]] ReadyTasks& list_of(std::size_t task);
   void add_ready(std::size_t task);
   void remove_ready(std::size_t task);
+  [[nodiscard]] const ReadyTasks& best_for(WorkerId worker) const;
   void hand_out();
   [[nodiscard]] bool spare(std::size_t task);
   void assign(std::size_t task, WorkerId worker);

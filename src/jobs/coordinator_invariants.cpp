@@ -50,12 +50,17 @@ void Coordinator::check_task(std::size_t index) const {
 
 void Coordinator::check_workers() const {
   std::size_t held = 0;
+  std::size_t listed = unplaced_.size();
   std::size_t offered = 0;
   for (const auto& [id, worker] : workers_) {
     const int free = worker.slots - static_cast<int>(worker.tasks.size());
     require(free >= 0, "a worker holds more tasks than it has slots");
     require(worker.present || worker.tasks.empty(), "a lost worker holds a task");
     require(worker.present || worker.places.empty(), "a lost worker holds a place");
+    listed += worker.ready.size();
+    for (const std::size_t place : worker.places) {
+      require(places_[place].holder == id, "worker and place disagree on who holds it");
+    }
     require(served_.contains(id) == (worker.present && free > 0 && !worker.ready.empty()),
             "list of free workers whose places have ready tasks");
     if (worker.present && free > 0) {
@@ -67,6 +72,7 @@ void Coordinator::check_workers() const {
       ++held;
     }
   }
+  require(listed == ready_.size(), "a task that is not ready is listed");
   require(offered == free_.size(), "a worker is offered that is not free");
   std::size_t assigned = 0;
   for (const Task& task : tasks_) assigned += task.state == State::kAssigned;

@@ -22,8 +22,8 @@ struct TaskSpec {
   std::vector<std::string> inputs;  ///< task ids, in the order the code expects
   unsigned scene_parts = kNoScene;
   double cost = 1.0;  ///< rough seconds on one core: longest first
-  /// Tasks of one place read much in common and run on one rank where that costs no waiting; empty:
-  /// anywhere. No result depends on it, and no KEY.
+  /// Tasks of one place read much in common and run on one rank as long as nobody would wait;
+  /// empty: anywhere. No result depends on it, and no KEY.
   std::string place = {};
 };
 

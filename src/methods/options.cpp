@@ -201,7 +201,7 @@ std::vector<OptionSpec> shared_options() {
        10'000'000,
        {},
        "",
-       "points at which it compares",
+       "points per light, at samples (direct light: at all of them) and on the surface",
        "ours"},
       {"evaluate.spp",
        Type::kInteger,

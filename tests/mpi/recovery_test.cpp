@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <sstream>
 
 #include "toy_runs.h"
@@ -66,6 +67,8 @@ class Recovery : public testing::Test {
 
 TEST_F(Recovery, AKilledRankCostsItsRunningTaskAlone) {
   kill(victim_, SIGKILL);
+  // What it was writing.
+  std::ofstream(folder_.bake() / "artifacts/leaf/0.h5.1.2.tmp") << "half a file";
   program_->wait();
   EXPECT_THAT(program_->output(), testing::HasSubstr("1 rank(s) are silent"));
   expect_the_undisturbed_bytes();

@@ -230,6 +230,9 @@ Workload city_in_tiles(const CityFacts& facts, std::size_t clusters, const Chang
   // Tiles of the package are written side by side; what is left is the scene and the index.
   workload.machine.assembly_per_byte /= static_cast<double>(settings.tiles);
   keep(workload.graph, change);
+  if (change.ignores_places) {
+    for (TaskSpec& task : workload.graph.tasks) task.place.clear();
+  }
   return workload;
 }
 

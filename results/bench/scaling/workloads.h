@@ -26,7 +26,8 @@ struct Change {
   bool keeps_rays = false;       ///< whoever reads rays has them in memory
   double bandwidth_share = 1.0;  ///< of the file system's
   double poll_share = 1.0;
-  double scene_share = 1.0;  ///< of loading the scene and making the ray caster, per rank
+  double scene_share = 1.0;     ///< of loading the scene and making the ray caster, per rank
+  bool ignores_places = false;  ///< any rank gets any task
 };
 
 struct Workload {

@@ -79,16 +79,24 @@ void Host::let_go(const std::string& task) {
 
 std::optional<Event> Host::finish(const Coordinator& coordinator) {
   if (!keep_all_) let_go_all();  // what was made a second time for a late reader
-  // What a lost rank was writing; if it only slept, its task has long been done by another.
-  if (any_was_lost_) folder_.store().remove_temporaries();
   try {
     write_results_(*this, [&](const std::string& task) { return coordinator.result(task); });
   } catch (const ResultDistrusted& e) {
     log::warn("{}; it will be made again", e.what());
     return ResultUnsound{e.task};
   }
+  if (any_was_lost_) sweep();
   status_.finish(coordinator);
   return std::nullopt;
+}
+
+/// Removes what lost ranks were writing. All is done: who still writes, writes it a second time.
+void Host::sweep() {
+  try {
+    folder_.store().remove_temporaries();
+  } catch (const FileError& e) {
+    log::warn("{}; the next start removes what lost ranks left", e.what());
+  }
 }
 
 void Host::tick(const Coordinator& coordinator, double now) {

@@ -38,6 +38,7 @@ class Host : public BakeHost {
   void count_readers();
   void let_go(const std::string& task);
   void let_go_all();
+  void sweep();
 
   Planner& planner_;
   BakeFolder& folder_;

@@ -36,7 +36,10 @@ std::shared_ptr<const SharedSamples> shared_samples(const TaskReader& reader, st
 }
 
 std::shared_ptr<const SenderSearch> shared_search(const TaskReader& reader, std::size_t i) {
-  const auto owning = reader.memo().get<OwningSearch>(search_name(*reader.input(i)), [&] {
+  const auto name = reader.memo().get<std::string>(
+      "search of " + reader.input_content(i).hex(),
+      [&] { return std::make_shared<std::string>(search_name(*reader.input(i))); });
+  const auto owning = reader.memo().get<OwningSearch>(*name, [&] {
     return std::make_shared<OwningSearch>(reader.scene(), shared_samples(reader, i));
   });
   return {owning, &owning->search};

@@ -82,8 +82,8 @@ class Planner {
     for (std::size_t c = 0; c < clusters_; ++c) {
       TaskSpec spec = make(kind, numbered(stage, c), {}, kNoScene, 1.0);
       spec.parameters["cluster"] = c;
-      spec.place = cluster_place(c);
       adapt(spec, c);
+      if (std::ranges::count(spec.inputs, numbered("rays", c)) > 0) spec.place = cluster_place(c);
       plan_.tasks.push_back(spec);
     }
   }

@@ -68,12 +68,25 @@ TEST_F(Compare, SeesALightThatIsHidden) {
 }
 
 TEST_F(Compare, DirectLightAtEverySampleIsThePathTracers) {
-  const LightReference reference = trace(2, 1);
+  Scene scene = test::box_room(0.5F);
+  test::add_box(scene, Vec3f::Constant(0.7F), Vec3f::Constant(1.3F), 0);
+  test::finish(scene);
+  const auto caster = make_embree_ray_caster(scene);
+  const SenderSearch search(scene, package_.samples);
+  ReferenceSettings settings;
+  settings.points = package_.samples.size();
+  settings.paths = 2;
+  const LightReference reference =
+      trace_reference({scene, *caster, package_.samples, search}, settings, 2, 1, [] {});
   ASSERT_EQ(reference.direct.size(), package_.samples.size());
+  std::size_t dark = 0;
   for (std::size_t i = 0; i < reference.sample_index.size(); ++i) {
     const float traced = reference.at_samples.reference[i].direct[0].x();
     EXPECT_NEAR(reference.direct[reference.sample_index[i]], traced, 1e-5F * traced);
+    dark += traced == 0.0F ? 1 : 0;
   }
+  EXPECT_GT(dark, 20U);
+  EXPECT_LT(dark, reference.direct.size() / 2);
 }
 
 TEST_F(Compare, ThreadsAndRepetitionChangeNothing) {
