@@ -104,9 +104,8 @@ void print_row(const char* name, const json& figures) {
 
 void print_table(const json& report) {
   fmt::print(
-      "{} test lights, {} points at samples (direct: all samples) and on the surface, {} paths "
-      "each, "
-      "seed {}\n\n",
+      "{} test lights, {} points at samples (direct: all samples) and on the surface, "
+      "{} paths each, seed {}\n\n",
       report["lights"].get<std::size_t>(), report["points"].get<std::size_t>(),
       report["spp"].get<int>(), report["seed"].get<std::uint64_t>());
   fmt::print("  {:<22}{:>10}{:>10}{:>10}{:>12}{:>12}{:>10}\n", "relative RMS error", "pooled",
