@@ -15,17 +15,16 @@ void balance(MatrixF& left, MatrixF& right) {
   }
 }
 
-LowRank low_rank(const MatrixF& m, const VectorF& row_weights, const MatrixF& fields, int most,
-                 double tolerance) {
+LeftFactor left_factor(const MatrixF& fields, const VectorF& row_weights, int most,
+                       double tolerance) {
   const VectorD row = row_weights.cast<double>().cwiseSqrt();
   const MatrixD weighted = row.asDiagonal() * fields.cast<double>();
   const SingularBasis basis = leading_left_vectors(weighted, most, tolerance);
-  LowRank result;
   const VectorD inverse = row.unaryExpr([](double r) { return r > 0.0 ? 1.0 / r : 0.0; });
-  result.left = (inverse.asDiagonal() * basis.vectors.transpose()).cast<float>();
-  result.right = (basis.vectors * row.asDiagonal()).cast<float>() * m;
+  LeftFactor result;
+  result.functions = (inverse.asDiagonal() * basis.vectors.transpose()).cast<float>();
+  result.dual = (basis.vectors * row.asDiagonal()).cast<float>();
   result.relative_error = std::sqrt(std::max(0.0, 1.0 - basis.energy));
-  balance(result.left, result.right);
   return result;
 }
 

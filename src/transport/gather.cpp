@@ -6,7 +6,7 @@ namespace prt {
 
 namespace {
 
-constexpr Eigen::Index kLane = 8;  // floats of one AVX register
+constexpr Eigen::Index kLane = kGatherLane;
 
 Eigen::Index padded(Eigen::Index n) { return (n + kLane - 1) / kLane * kLane; }
 
@@ -73,30 +73,41 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const std::uint32_t> cluster_of_sample) {
   const std::size_t directions = weights.size();
   const auto receivers = static_cast<Eigen::Index>(senders.size() / directions);
-  const MatrixF values = pad_columns(functions.values);
+  const MatrixF made_wider =
+      functions.values.cols() % kLane == 0 ? MatrixF() : pad_columns(functions.values);
+  const MatrixF& values = made_wider.size() > 0 ? made_wider : functions.values;
   const Eigen::Index width = values.cols();
   const auto clusters = static_cast<Eigen::Index>(functions.begin.size() - 1);
   const Eigen::Index channels = albedo.cols();
   // One receiver's sums, cluster by cluster and channel by channel, stay in the first-level cache.
-  MatrixF sums(clusters, channels * width);
+  MatrixF sums = MatrixF::Zero(clusters, channels * width);
+  std::vector<std::uint32_t> seen;  // clusters whose sums are not zero
+  std::vector<bool> is_seen(static_cast<std::size_t>(clusters), false);
   std::vector<MatrixF> result(channels, MatrixF::Zero(receivers, functions.count()));
   HitWeights hits(albedo.rows());
   for (Eigen::Index r = 0; r < receivers; ++r) {
     hits.collect(senders.subspan(r * directions, directions), weights);
-    sums.setZero();
     for (const std::uint32_t j : hits.hit()) {
+      const std::uint32_t k = cluster_of_sample[j];
+      if (!is_seen[k]) {
+        is_seen[k] = true;
+        seen.push_back(k);
+      }
       const float* row = values.data() + j * width;
-      float* out = sums.data() + cluster_of_sample[j] * channels * width;
+      float* out = sums.data() + k * channels * width;
       for (Eigen::Index c = 0; c < channels; ++c) {
         add_scaled(out + c * width, row, hits[j] * albedo(j, c), width);
       }
     }
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      for (Eigen::Index k = 0; k < clusters; ++k) {
+    for (const std::uint32_t k : seen) {
+      for (Eigen::Index c = 0; c < channels; ++c) {
         result[c].row(r).segment(functions.begin[k], functions.of(k)) =
             sums.row(k).segment(c * width, functions.of(k));
       }
+      sums.row(k).setZero();
+      is_seen[k] = false;
     }
+    seen.clear();
   }
   return result;
 }

@@ -12,6 +12,9 @@
 
 namespace prt {
 
+/// Floats of one AVX register: gather_functions copies values whose columns are no multiple of it.
+inline constexpr Eigen::Index kGatherLane = 8;
+
 /// Functions on samples that live on one cluster each: function f of cluster c has values on c's
 /// samples only. Rows are samples; a row holds the values of the functions of its own cluster.
 struct ClusterFunctions {

@@ -20,19 +20,19 @@ struct Kept {
 };
 
 /// Leaves out the weakest sender clusters as long as all of them together stay below the limit.
-Kept keep_strong_senders(const std::vector<MatrixF>& transfer, const VectorF& areas,
+/// projected: transfer in an orthonormal left factor, k × functions per channel.
+Kept keep_strong_senders(const std::vector<MatrixF>& projected,
                          const std::vector<std::uint32_t>& begin, const MatrixF& typical,
                          double tolerance) {
   const std::size_t clusters = begin.size() - 1;
   std::vector<double> energy(clusters, 0.0);
-  const VectorF root = areas.cwiseSqrt();
   for (std::size_t s = 0; s < clusters; ++s) {
     const Eigen::Index k = begin[s + 1] - begin[s];
     // ‖M C‖² over the lights from C's small covariance.
     const MatrixD light = typical.middleRows(begin[s], k).cast<double>();
     const MatrixD covariance = light * light.transpose();
-    for (const MatrixF& m : transfer) {
-      const MatrixD block = (root.asDiagonal() * m.middleCols(begin[s], k)).cast<double>();
+    for (const MatrixF& m : projected) {
+      const MatrixD block = m.middleCols(begin[s], k).cast<double>();
       energy[s] += (block.transpose() * block).cwiseProduct(covariance).sum();
     }
   }
@@ -54,13 +54,14 @@ Kept keep_strong_senders(const std::vector<MatrixF>& transfer, const VectorF& ar
   return kept;
 }
 
-MatrixF join_kept(const std::vector<MatrixF>& transfer, const std::vector<std::uint32_t>& begin,
+/// Columns of the kept senders' functions, channels side by side.
+MatrixF join_kept(const std::vector<MatrixF>& projected, const std::vector<std::uint32_t>& begin,
                   const std::vector<std::uint32_t>& senders) {
   Eigen::Index width = 0;
   for (const auto s : senders) width += begin[s + 1] - begin[s];
-  MatrixF joined(transfer[0].rows(), width * static_cast<Eigen::Index>(transfer.size()));
+  MatrixF joined(projected[0].rows(), width * static_cast<Eigen::Index>(projected.size()));
   Eigen::Index column = 0;
-  for (const MatrixF& m : transfer) {
+  for (const MatrixF& m : projected) {
     for (const auto s : senders) {
       const Eigen::Index k = begin[s + 1] - begin[s];
       joined.middleCols(column, k) = m.middleCols(begin[s], k);
@@ -98,21 +99,47 @@ MatrixF received(const MatrixF& joined, const MatrixF& typical) {
 
 }  // namespace
 
-Artifact compress_transfer(const std::vector<MatrixF>& transfer, const VectorF& areas,
+MatrixF side_by_side(const std::vector<MatrixF>& parts) {
+  Eigen::Index width = 0;
+  for (const MatrixF& part : parts) width += part.cols();
+  MatrixF all(parts[0].rows(), width);
+  Eigen::Index column = 0;
+  for (const MatrixF& part : parts) {
+    all.middleCols(column, part.cols()) = part;
+    column += part.cols();
+  }
+  return all;
+}
+
+MatrixF ChannelTransfer::projected(const MatrixF& rows) const {
+  MatrixF all = rows * once;
+  if (solution) all.noalias() += MatrixF(rows * further) * *solution;
+  return all;
+}
+
+Artifact compress_transfer(const std::vector<ChannelTransfer>& transfer,
+                           const std::vector<MatrixF>& fields, const VectorF& areas,
                            const std::vector<std::uint32_t>& function_begin, const MatrixF& typical,
                            const TransferCompression& settings) {
-  const Kept kept =
-      keep_strong_senders(transfer, areas, function_begin, typical, settings.tolerance);
-  const MatrixF full = join_kept(transfer, function_begin, kept.senders);
+  const MatrixF received_in_full = side_by_side(fields);
+  LeftFactor factor = left_factor(received_in_full, areas, settings.rank, settings.tolerance);
+  std::vector<MatrixF> projected;
+  projected.reserve(transfer.size());
+  for (const ChannelTransfer& t : transfer) projected.push_back(t.projected(factor.dual));
+  const Kept kept = keep_strong_senders(projected, function_begin, typical, settings.tolerance);
+  MatrixF full_right = join_kept(projected, function_begin, kept.senders);
+  balance(factor.functions, full_right);
   const MatrixF lights = kept_rows(typical, function_begin, kept.senders);
-  const MatrixF fields = received(full, lights);
-  const LowRank low = low_rank(full, areas, fields, settings.rank, settings.tolerance);
-  const Quantised left = quantise(low.left, settings.bits);
-  const Quantised right = quantise(low.right, settings.bits);
+  const Quantised left = quantise(factor.functions, settings.bits);
+  const Quantised right = quantise(full_right, settings.bits);
   const VectorF root = areas.cwiseSqrt();
-  const double total = (root.asDiagonal() * fields).cast<double>().squaredNorm();
+  const double total = (root.asDiagonal() * received_in_full).cast<double>().squaredNorm();
   const MatrixF again = left.matrix.decode() * received(right.matrix.decode(), lights);
-  const double off = (root.asDiagonal() * (again - fields)).cast<double>().squaredNorm();
+  // A cluster in the dark keeps no sender at all.
+  const double off =
+      again.cols() == 0
+          ? total
+          : (root.asDiagonal() * (again - received_in_full)).cast<double>().squaredNorm();
   const auto relative = [&](double squared) {
     return total > 0.0 ? std::sqrt(squared / total) : 0.0;
   };
@@ -123,13 +150,13 @@ Artifact compress_transfer(const std::vector<MatrixF>& transfer, const VectorF& 
   out.put<std::uint32_t>("senders", kept.senders, {kept.senders.size()}, "1",
                          "sender clusters kept");
   out.attributes = {{"channels", transfer.size()},
-                    {"rank", low.left.cols()},
-                    {"energy", 1.0 - low.relative_error * low.relative_error},
+                    {"rank", factor.functions.cols()},
+                    {"energy", 1.0 - factor.relative_error * factor.relative_error},
                     {"error_dropped", relative(kept.dropped_energy)},
-                    {"error_low_rank", low.relative_error},
+                    {"error_low_rank", factor.relative_error},
                     {"error_left_rounding", left.relative_error},
                     {"error_right_rounding", right.relative_error},
-                    {"error", relative(off + kept.dropped_energy)}};
+                    {"error", relative(off)}};
   return out;
 }
 

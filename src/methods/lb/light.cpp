@@ -223,6 +223,8 @@ ClusterFunctions collect(const std::vector<MatrixF>& parts, const SampleSet& sam
     all.begin.push_back(all.begin.back() + static_cast<std::uint32_t>(part.rows()));
     most = std::max(most, part.rows());
   }
+  // Whole registers, so that no task has to copy all of it to make it so.
+  most = (most + kGatherLane - 1) / kGatherLane * kGatherLane;
   all.values = MatrixF::Zero(static_cast<Eigen::Index>(samples.size()), most);
   for (std::size_t c = 0; c < parts.size(); ++c) {
     all.values.block(samples.cluster_begin[c], 0, parts[c].cols(), parts[c].rows()) =

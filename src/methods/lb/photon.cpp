@@ -40,8 +40,9 @@ Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader) {
   const auto cluster = p["cluster"].get<std::uint32_t>();
   const std::uint32_t first = shared->samples.cluster_begin[cluster];
   const std::uint32_t rows = shared->samples.cluster_size(cluster);
-  std::vector<MatrixF> transfer(p["channels"].get<std::size_t>(),
-                                MatrixF(rows, functions->count()));
+  const auto typical = shared_light_coefficients(reader, 1);
+  std::vector<ChannelTransfer> transfer(p["channels"].get<std::size_t>());
+  for (ChannelTransfer& t : transfer) t.once = MatrixF(rows, functions->count());
   for (std::size_t s = 0; s + 2 < task.inputs.size(); ++s) {
     const auto part = reader.input(s + 2);
     const auto values = part->values<float>("irradiance");
@@ -49,14 +50,15 @@ Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader) {
     const Eigen::Map<const MatrixF> received(values.data() + first * columns, rows, columns);
     const Eigen::Index k = functions->of(s);
     for (std::size_t c = 0; c < transfer.size(); ++c) {
-      transfer[c].middleCols(functions->begin[s], k) =
+      transfer[c].once.middleCols(functions->begin[s], k) =
           received.middleCols(static_cast<Eigen::Index>(c) * k, k);
     }
   }
-  Artifact out =
-      compress_transfer(transfer, cluster_areas(shared->samples, cluster), functions->begin,
-                        *shared_light_coefficients(reader, 1),
-                        {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
+  std::vector<MatrixF> fields;
+  for (const ChannelTransfer& t : transfer) fields.emplace_back(t.once * *typical);
+  Artifact out = compress_transfer(
+      transfer, fields, cluster_areas(shared->samples, cluster), functions->begin, *typical,
+      {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
   out.attributes["cluster"] = cluster;
   out.attributes["samples"] = rows;
   return out;

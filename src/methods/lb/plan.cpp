@@ -122,6 +122,7 @@ class Planner {
     inputs.insert(inputs.begin(), kSamplesTask);
     TaskSpec bundle = make("light_functions", kLightFunctions, inputs, kNoScene, 1.0);
     bundle.parameters["rank"] = options_.get<int>("lb.light_rank");
+    bundle.version = 2;
     plan_.tasks.push_back(bundle);
     plan_.results.emplace_back(kLightFunctions);
   }
@@ -213,15 +214,18 @@ class Planner {
         spec.parameters["channels"] = channels_;
         spec.parameters["rank"] = rank;
         spec.parameters["tolerance"] = tolerance;
-        spec.version = 2;
+        spec.version = 3;
         spec.cost = 3e-4 * size_of(c);
       });
       std::vector<std::string> inputs = all(snapshot, clusters_);
       inputs.insert(inputs.begin(), kSamplesTask);
-      plan_.tasks.push_back(make("snapshot_functions", bundle, inputs, kNoScene, 1.0));
+      TaskSpec collected = make("snapshot_functions", bundle, inputs, kNoScene, 1.0);
+      collected.version = 2;
+      plan_.tasks.push_back(collected);
       per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
         spec.inputs = gather_inputs(c, bundle);
         spec.parameters["channels"] = channels_;
+        spec.version = 2;
         spec.cost = 3e-4 * size_of(c);
       });
       inputs = all(snapshot, clusters_);
@@ -245,7 +249,7 @@ class Planner {
       }
       spec.parameters["channels"] = channels_;
       spec.parameters["near_bounces"] = near_bounces();
-      spec.version = 5;
+      spec.version = 6;
       add_compression(spec);
       spec.cost = 6e-4 * size_of(c);
     });
@@ -280,6 +284,7 @@ class Planner {
       const auto shot = all("photons", clusters_);
       spec.inputs.insert(spec.inputs.end(), shot.begin(), shot.end());
       spec.parameters["channels"] = channels_;
+      spec.version = 2;
       add_compression(spec);
       spec.cost = 3e-4 * size_of(c);
     });

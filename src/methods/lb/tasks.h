@@ -56,10 +56,25 @@ struct TransferCompression {
 /// like here. Inputs as for shared_functions.
 std::shared_ptr<const MatrixF> shared_light_coefficients(const TaskReader& reader, std::size_t i);
 
-/// Compresses transfer into one receiver cluster (one matrix per channel, n_r × all functions) so
-/// that the light that typical coefficients (functions × lights) cause is kept best, and measures
-/// on them what each step costs.
-Artifact compress_transfer(const std::vector<MatrixF>& transfer, const VectorF& areas,
+/// Transfer of one colour channel into a receiver cluster, n_r × all functions, as the sum of
+/// once + further·solution. Multiplying it out would be most of the work of a big scene and is
+/// never needed.
+struct ChannelTransfer {
+  MatrixF once;                             ///< n_r × functions
+  MatrixF further;                          ///< n_r × unknowns
+  std::shared_ptr<const MatrixF> solution;  ///< unknowns × functions; null: there is none
+  /// rows·transfer: rows.rows() × functions.
+  [[nodiscard]] MatrixF projected(const MatrixF& rows) const;
+};
+
+/// Matrices of equal height next to each other.
+MatrixF side_by_side(const std::vector<MatrixF>& parts);
+
+/// Compresses transfer into one receiver cluster (a part per channel) so that the light that
+/// typical coefficients (functions × lights) cause is kept best, and measures on them what each
+/// step costs. `fields`: that light, transfer·typical, n_r × lights per channel.
+Artifact compress_transfer(const std::vector<ChannelTransfer>& transfer,
+                           const std::vector<MatrixF>& fields, const VectorF& areas,
                            const std::vector<std::uint32_t>& function_begin, const MatrixF& typical,
                            const TransferCompression& settings);
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/random.h"
@@ -53,14 +55,21 @@ struct Receiver {
   VectorF areas;
 };
 
-/// Channels side by side.
-MatrixF join(const std::vector<MatrixF>& channels) {
-  MatrixF all(channels[0].rows(), static_cast<Eigen::Index>(channels.size()) * channels[0].cols());
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    all.middleCols(static_cast<Eigen::Index>(c) * channels[0].cols(), channels[0].cols()) =
-        channels[c];
+/// rows · parts, parts side by side: summed up in double, in slices, for a whole copy in double
+/// would cost more than the product.
+MatrixF project(const MatrixD& rows, const std::vector<MatrixF>& parts) {
+  constexpr Eigen::Index kSlice = 128;
+  const Eigen::Index width = parts[0].cols();
+  MatrixF out(rows.rows(), width * static_cast<Eigen::Index>(parts.size()));
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    for (Eigen::Index first = 0; first < width; first += kSlice) {
+      const Eigen::Index count = std::min(kSlice, width - first);
+      const MatrixD slice = parts[p].middleCols(first, count).cast<double>();
+      out.middleCols(static_cast<Eigen::Index>(p) * width + first, count) =
+          MatrixD(rows * slice).cast<float>();
+    }
   }
-  return all;
+  return out;
 }
 
 /// The last example lights judge what the others made.
@@ -81,16 +90,21 @@ MatrixF training_lights(const MatrixF& lights, Eigen::Index most) {
   return mixed;
 }
 
-/// Adds to once-gathered functions what the reduced system says of all further bounces. Inputs from
-/// first_input on: snapshot functions, and the solution of each channel.
-std::vector<MatrixF> gather_all_bounces(const Receiver& receiver, const TaskReader& reader,
-                                        std::vector<MatrixF> once, std::size_t first_input) {
-  const auto snapshots = shared_functions(reader, first_input);
-  const std::vector<MatrixF> gathered = receiver.gather(*snapshots);
-  for (std::size_t c = 0; c < once.size(); ++c) {
-    once[c].noalias() += gathered[c] * reader.input(first_input + 1 + c)->matrix("solution");
-  }
-  return once;
+/// All bounces but the first of every light function, in the snapshot bases: input i is one
+/// channel's solution, unknowns × functions.
+std::shared_ptr<const MatrixF> shared_solution(const TaskReader& reader, std::size_t i) {
+  return reader.memo().get<MatrixF>("solution " + reader.input_content(i).hex(), [&] {
+    return std::make_shared<MatrixF>(reader.input(i)->matrix("solution"));
+  });
+}
+
+/// That of lights instead of functions, the same for every receiver; `name` tells lights apart.
+std::shared_ptr<const MatrixF> shared_solved_lights(const TaskReader& reader, std::size_t i,
+                                                    const MatrixF& lights,
+                                                    const std::string& name) {
+  return reader.memo().get<MatrixF>(
+      "solution " + reader.input_content(i).hex() + " for " + name,
+      [&] { return std::make_shared<MatrixF>(*shared_solution(reader, i) * lights); });
 }
 
 }  // namespace
@@ -107,18 +121,19 @@ Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader) {
   shapes.reserve(2 * once.size());
   for (const MatrixF& x : once) shapes.emplace_back(x * lights);
   if (task.inputs.size() > 4) {
-    for (const MatrixF& y : gather_all_bounces(receiver, reader, once, 4)) {
-      shapes.emplace_back(y * lights);
+    const std::vector<MatrixF> gathered = receiver.gather(*shared_functions(reader, 4));
+    const std::string name = fmt::format("snapshots of rank {}", rank);
+    for (std::size_t c = 0; c < once.size(); ++c) {
+      shapes.emplace_back(shapes[c] +
+                          gathered[c] * *shared_solved_lights(reader, 5 + c, lights, name));
     }
   }
-  const FunctionBasis basis = make_function_basis(join(shapes).transpose(), receiver.areas, rank,
-                                                  task.parameters["tolerance"].get<double>());
+  const FunctionBasis basis = make_function_basis(side_by_side(shapes).transpose(), receiver.areas,
+                                                  rank, task.parameters["tolerance"].get<double>());
   Artifact out;
   out.put("functions", basis.functions, "1/m", "basis of gathered light");
-  const MatrixD projected =
-      (basis.functions * receiver.areas.asDiagonal()).cast<double>() * join(once).cast<double>();
-  out.put("projected", MatrixF(projected.cast<float>()), "W/m",
-          "once-gathered light functions in it");
+  const MatrixD weighted = (basis.functions * receiver.areas.asDiagonal()).cast<double>();
+  out.put("projected", project(weighted, once), "W/m", "once-gathered light functions in it");
   out.attributes = {{"cluster", receiver.cluster},    {"samples", receiver.areas.size()},
                     {"rank", basis.functions.rows()}, {"energy", basis.energy},
                     {"error", basis.error},           {"orthonormality_defect", basis.defect}};
@@ -128,11 +143,10 @@ Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader) {
 Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader) {
   const Receiver receiver(task, reader);
   const auto snapshots = shared_functions(reader, 3);
-  const MatrixF gathered = join(receiver.gather(*snapshots));
   const MatrixD weighted_basis =
       (receiver.own(*snapshots).transpose() * receiver.areas.asDiagonal()).cast<double>();
   Artifact out;
-  out.put("reduced", MatrixF((weighted_basis * gathered.cast<double>()).cast<float>()), "1",
+  out.put("reduced", project(weighted_basis, receiver.gather(*snapshots)), "1",
           "rows of the reduced one-bounce operator, channels side by side");
   out.attributes = {{"cluster", receiver.cluster}};
   return out;
@@ -178,39 +192,58 @@ Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
 Artifact run_transfer(const TaskSpec& task, const TaskReader& reader) {
   const Receiver receiver(task, reader);
   const auto functions = shared_functions(reader, 3);
-  std::vector<MatrixF> transfer = receiver.gather(*functions);
-  const auto lights = shared_light_coefficients(reader, 3);
-  const MatrixF z = probe_lights(*lights);
+  std::vector<MatrixF> once = receiver.gather(*functions);
+  const std::size_t channels = once.size();
+  const auto coefficients = shared_light_coefficients(reader, 3);
+  const MatrixF z = probe_lights(*coefficients);
+  const MatrixF typical = training_lights(*coefficients, kTypicalLights);
   double source = 0.0;  // squared norm of the once-gathered probes
-  for (const MatrixF& x : transfer) {
-    source += (receiver.areas.cwiseSqrt().asDiagonal() * (x * z)).squaredNorm();
+  std::vector<MatrixF> lit;
+  for (const MatrixF& x : once) {
+    lit.emplace_back(x * z);
+    source += (receiver.areas.cwiseSqrt().asDiagonal() * lit.back()).squaredNorm();
   }
-  MatrixF probes =
-      MatrixF::Zero(receiver.areas.size(), static_cast<Eigen::Index>(transfer.size()) * z.cols());
   const std::size_t first_near = 4;
-  const std::size_t first_bounces = first_near + receiver.shared->samples.clusters();
-  if (task.inputs.size() > first_bounces) {
-    check_stop(reader);
-    transfer = gather_all_bounces(receiver, reader, std::move(transfer), first_bounces);
-    const MatrixF own = receiver.own(*shared_functions(reader, first_bounces));
-    for (std::size_t c = 0; c < transfer.size(); ++c) {
-      // The part of the probes that the snapshot bases miss: T sends exactly that on as residual.
-      const MatrixF lit = transfer[c] * z;
-      probes.middleCols(static_cast<Eigen::Index>(c) * z.cols(), z.cols()) =
-          lit - own * (own.transpose() * (receiver.areas.asDiagonal() * lit));
-    }
-  }
+  const SampleSet& samples = receiver.shared->samples;
+  const std::size_t first_bounces = first_near + samples.clusters();
   check_stop(reader);
   const auto& p = task.parameters;
-  const SampleSet& samples = receiver.shared->samples;
   subtract_series(
       near_series(*shared_near(reader, first_near, samples.clusters()), receiver.albedo,
                   samples.cluster_begin[receiver.cluster],
                   samples.cluster_begin[receiver.cluster + 1], p["near_bounces"].get<int>()),
-      *functions, receiver.shared->cluster_of_sample, transfer);
-  Artifact out = compress_transfer(
-      transfer, receiver.areas, functions->begin, training_lights(*lights, kTypicalLights),
-      {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
+      *functions, receiver.shared->cluster_of_sample, once);
+  std::vector<ChannelTransfer> transfer(channels);
+  std::vector<MatrixF> fields;
+  for (std::size_t c = 0; c < channels; ++c) {
+    transfer[c].once = std::move(once[c]);
+    fields.emplace_back(transfer[c].once * typical);
+  }
+  MatrixF probes =
+      MatrixF::Zero(receiver.areas.size(), static_cast<Eigen::Index>(channels) * z.cols());
+  if (task.inputs.size() > first_bounces) {
+    check_stop(reader);
+    const auto snapshots = shared_functions(reader, first_bounces);
+    std::vector<MatrixF> gathered = receiver.gather(*snapshots);
+    const MatrixF own = receiver.own(*snapshots);
+    const MatrixF lights = side_by_side({z, typical});
+    for (std::size_t c = 0; c < channels; ++c) {
+      const std::size_t solved = first_bounces + 1 + c;
+      transfer[c].further = std::move(gathered[c]);
+      transfer[c].solution = shared_solution(reader, solved);
+      const MatrixF bounced =
+          transfer[c].further * *shared_solved_lights(reader, solved, lights, "probes and typical");
+      lit[c] += bounced.leftCols(z.cols());
+      fields[c] += bounced.rightCols(typical.cols());
+      // The part of the probes that the snapshot bases miss: T sends exactly that on as residual.
+      probes.middleCols(static_cast<Eigen::Index>(c) * z.cols(), z.cols()) =
+          lit[c] - own * (own.transpose() * (receiver.areas.asDiagonal() * lit[c]));
+    }
+  }
+  check_stop(reader);
+  Artifact out =
+      compress_transfer(transfer, fields, receiver.areas, functions->begin, typical,
+                        {p["bits"].get<int>(), p["rank"].get<int>(), p["tolerance"].get<double>()});
   out.put("probes", probes, "W/m^2", "probe lights' part outside the snapshot bases");
   out.attributes["cluster"] = receiver.cluster;
   out.attributes["samples"] = receiver.areas.size();

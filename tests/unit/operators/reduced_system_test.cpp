@@ -55,6 +55,44 @@ TEST(ReducedSystem, AConstantGainsOneOverOneMinusAlbedo) {
   EXPECT_LT((solution.x.array() - 8.0).abs().maxCoeff(), 1e3 * kDouble);
 }
 
+TEST(ReducedSystem, IterationFindsWhatLuFinds) {
+  // More columns than go together, one of them dark and one solved by the first guess.
+  MatrixD b = random_matrix(60, 300, 8);
+  b.col(7).setZero();
+  MatrixD r = transport(60, 0.9, 9);
+  r.row(5).setZero();
+  b.col(11).setZero();
+  b(5, 11) = 1.0;
+  r.col(5).setZero();
+  const MatrixD exact = solve_reduced(r, b, -1).x;
+  const IterativeSolution found = solve_by_iteration(r, b, 1e-10, 500);
+  for (Eigen::Index c = 0; c < b.cols(); ++c) {
+    // Residual 1e-10, and light gains at most 1 / (1 − 0.9) on its way.
+    EXPECT_LE((found.x - exact).col(c).norm(), 1e-9 * 10 * b.col(c).norm()) << c;
+  }
+  EXPECT_GT(found.products, 0);
+}
+
+TEST(ReducedSystem, IterationTakesFewProductsWhereTheSeriesWouldTakeThousands) {
+  // Two rooms, joined by a pinhole, that lose a thousandth per bounce: the series loses as little
+  // per product.
+  const Eigen::Index n = 60;
+  MatrixD r = MatrixD::Zero(2 * n, 2 * n);
+  r.topLeftCorner(n, n) = transport(n, 0.9989, 21);
+  r.bottomRightCorner(n, n) = transport(n, 0.9989, 22);
+  r(0, n) += 1e-4;
+  r(n, 0) += 1e-4;
+  const MatrixD b = random_matrix(2 * n, 20, 23);
+  const IterativeSolution found = solve_by_iteration(r, b, 1e-8, 500);
+  EXPECT_LT((found.x - r * found.x - b).norm(), 1e-7 * b.norm());
+  EXPECT_LT(found.products, 100);
+}
+
+TEST(ReducedSystem, IterationThatMayNotGoOnStops) {
+  const MatrixD b = random_matrix(60, 2, 24);
+  EXPECT_EQ(solve_by_iteration(transport(60, 0.99, 25), b, 0.0, 3).products, 6);
+}
+
 TEST(ReducedSystem, LightThatIsNeverLostIsRefused) {
   // Two surfaces that hand all light to each other: I − R is exactly singular.
   MatrixD r(2, 2);
