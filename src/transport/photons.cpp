@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "base/random.h"
 
 namespace prt {
@@ -93,6 +94,11 @@ struct Photon {
   int flights = 0;
 };
 
+/// Flights after which no photon still goes at any albedo below 0.9999, and those after which half
+/// of them may.
+constexpr int kMostFlights = 1'000'000;
+constexpr int kManyFlights = 5000;
+
 /// Weight after reflection and whether the photon goes on; roulette by the largest albedo.
 bool reflect(Photon& photon, const Vec3f& albedo) {
   const float survival = albedo.maxCoeff();
@@ -125,9 +131,16 @@ class PhotonFlight {
     photons_.push_back(photon);
   }
 
-  /// Flies all that are on their way until none is left.
+  /// Flies all that are on their way until none is left; they start together.
   void fly() {
-    while (!rays_.empty()) {
+    const std::size_t started = rays_.size();
+    for (int flight = 0; !rays_.empty(); ++flight) {
+      const bool many = flight >= kManyFlights && 2 * rays_.size() > started;
+      if (bounces_ < 0 && (many || flight >= kMostFlights)) {
+        throw UnsoundData(
+            "photons are as good as never absorbed: some albedo is too near 1 in a closed space; "
+            "lower it or set transport.bounces");
+      }
       hits_.resize(rays_.size());
       caster_.intersect_incoherent(rays_, hits_);
       const std::vector<Ray> flown = std::exchange(rays_, {});

@@ -21,9 +21,10 @@ Artifact run_photons(const TaskSpec& task, const TaskReader& reader) {
   settings.photons = p["photons"].get<std::uint64_t>();
   settings.bounces = p["bounces"].get<int>();
   settings.stream = stream_key(p["seed"].get<std::uint64_t>(), task.id);
-  const PhotonTransfer shot =
-      shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, *search, points, cluster,
-                    own, p["channels"].get<int>(), settings);
+  const PhotonTransfer shot = blaming_the_scene([&] {
+    return shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, *search, points,
+                         cluster, own, p["channels"].get<int>(), settings);
+  });
   Artifact out;
   out.put("irradiance", shot.irradiance, "W/m^2",
           "indirect irradiance at all samples by each light function, channels side by side");

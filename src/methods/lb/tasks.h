@@ -1,6 +1,7 @@
 // The tasks of the method, by kind. Inputs are listed in the order each expects them.
 #pragma once
 
+#include "base/error.h"
 #include "methods/method.h"
 #include "transport/gather.h"
 
@@ -36,6 +37,17 @@ Artifact run_residual(const TaskSpec& task, const TaskReader& reader);
 Artifact run_photons(const TaskSpec& task, const TaskReader& reader);
 /// samples, light_functions, photons/* → compressed transfer of one receiver cluster.
 Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader);
+
+/// Runs a step that finds no sound answer where the scene's albedos allow none: that is the user's
+/// to mend, and no broken artifact.
+template <typename Step>
+auto blaming_the_scene(const Step& step) {
+  try {
+    return step();
+  } catch (const UnsoundData& e) {
+    throw UserError(std::string("scene: ") + e.what());
+  }
+}
 
 /// Light functions of all clusters as stored by run_light_functions: functions scaled by the
 /// typical size of their coefficients, and the projections onto them.

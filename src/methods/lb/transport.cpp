@@ -180,7 +180,8 @@ Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
   check_stop(reader);
   const int bounces = task.parameters["bounces"].get<int>();
   // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
-  const ReducedSolution solved = solve_reduced(r, b, bounces < 0 ? -1 : std::max(0, bounces - 2));
+  const ReducedSolution solved = blaming_the_scene(
+      [&] { return solve_reduced(r, b, bounces < 0 ? -1 : std::max(0, bounces - 2)); });
   Artifact out;
   out.put("solution", MatrixF(solved.x.cast<float>()), "W/m",
           "all bounces of every light function in the snapshot bases, one channel");

@@ -99,6 +99,10 @@ TEST(ReducedSystem, LightThatIsNeverLostIsRefused) {
   r << 0.0, 1.0, 1.0, 0.0;
   EXPECT_THROW((void)solve_reduced(r, MatrixD::Ones(2, 1), -1), UnsoundData);
   EXPECT_NO_THROW((void)solve_reduced(r, MatrixD::Ones(2, 1), 5));
+  // Nor is light that only rounding and leaking rays take away.
+  EXPECT_THROW((void)solve_reduced(transport(30, 0.99995, 26), MatrixD::Ones(30, 1), -1),
+               UnsoundData);
+  EXPECT_NO_THROW((void)solve_reduced(transport(30, 0.9995, 27), MatrixD::Ones(30, 1), -1));
 }
 
 TEST(ReducedSystem, NothingStaysNothing) {
