@@ -20,6 +20,9 @@ constexpr std::size_t kLightsPerTask = 250;
 // The first snapshot bases; doubled while the measured residual stays above the tolerance.
 constexpr int kSnapshotRank = 56;
 constexpr int kTransferRank = 50;
+// An entry that fewer rays have hit is more noise than knowledge, and most entries are of that
+// kind: one by one they would cost more than all the rest.
+constexpr double kNearRays = 6.0;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
 
@@ -135,7 +138,11 @@ class Planner {
   [[nodiscard]] bool photons() const { return options_.get<std::string>("lb.solver") == "photons"; }
   /// Entries of the one-bounce operator above it are kept as they are; photons know no entries.
   [[nodiscard]] double near_share() const {
-    return photons() ? 1.0 : options_.get<double>("lb.near_share");
+    if (photons()) return 1.0;
+    return std::min(1.0, std::max(options_.get<double>("lb.near_share"), least_near_share()));
+  }
+  [[nodiscard]] double least_near_share() const {
+    return kNearRays / options_.get<double>("rays.directions");
   }
   [[nodiscard]] std::optional<std::string> no_indirect_light(const Artifact& albedo) const {
     if (albedo.attribute<double>("largest") <= 0.0) {
@@ -155,6 +162,12 @@ class Planner {
   }
 
   void plan_near() {
+    if (near_share() > options_.get<double>("lb.near_share")) {
+      plan_.left_out.push_back(
+          {fmt::format("near transfer below {:.3g} of a hemisphere", near_share()),
+           fmt::format("with rays.directions {} fewer than {} rays tell of it",
+                       options_.get<int>("rays.directions"), kNearRays)});
+    }
     per_cluster("near", "near", [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = {kSamplesTask, numbered("rays", c)};
       spec.parameters["near_share"] = near_share();

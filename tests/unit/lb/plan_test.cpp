@@ -198,5 +198,25 @@ TEST(LbPlanner, TakesOneChannelWhereAllIsGrey) {
   EXPECT_EQ(channels_of(box_of({0.5F, 0.4F, 0.3F})), std::set<int>{3});
 }
 
+TEST(Plan, NearTransferIsMoreThanAFewRays) {
+  for (const auto& [directions, share] : {std::pair{2016, 0.003}, {64, 6.0 / 64}}) {
+    OptionValues options = tiny_bake();
+    options.set("rays.directions", directions);
+    test::InProcessBake bake(closed_box(), options);
+    test::run_kinds(bake, lb_method(), test::kSamplingAndRays);
+    const Plan plan = lb_method().plan(bake);
+    std::size_t seen = 0;
+    for (const TaskSpec& task : plan.tasks) {
+      if (task.kind != "near" && task.kind != "light_basis") continue;
+      EXPECT_DOUBLE_EQ(task.parameters["near_share"].get<double>(), share) << task.id;
+      ++seen;
+    }
+    EXPECT_GT(seen, 0U);
+    const bool said = std::ranges::any_of(
+        plan.left_out, [](const LeftOut& l) { return l.what.starts_with("near transfer"); });
+    EXPECT_EQ(said, directions == 64);
+  }
+}
+
 }  // namespace
 }  // namespace prt
