@@ -28,7 +28,7 @@ skip() {
 # A bake of some 90 tasks and a few core seconds: long enough to be killed on the way.
 tiny_bake=("$bin/prt_bake" "$root/configs/default.yaml"
   --set "scene=$root/configs/scenes/cornell.glb"
-  --set samples.count=1800 --set samples.cluster_size=180 --set rays.directions=256
+  --set samples.count=6000 --set samples.cluster_size=250 --set rays.directions=528
   --set lb.example_lights=80
   --set evaluate.lights=2 --set evaluate.points=100 --set evaluate.spp=4)
 

@@ -27,8 +27,8 @@ class SmallBake {
   explicit SmallBake(Scene scene, const OptionValues& options = small_options())
       : scene_(std::make_unique<Scene>(std::move(scene))), bake_(*scene_, options) {
     plan_ = bake_.run(lb_method());
-    package_ = lb_method().assemble([this](const std::string& id) { return bake_.result(id); },
-                                    options);
+    package_ =
+        lb_method().assemble([this](const std::string& id) { return bake_.result(id); }, options);
     player_ = std::make_unique<Evaluator>(package_);
   }
 

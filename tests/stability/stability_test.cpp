@@ -1,8 +1,7 @@
 // Stiff and extreme scenes, lights and options: each states what must come out. Every case also has
 // to be free of NaN, infinity and negative direct light.
-#include <gtest/gtest.h>
-
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "scene/load.h"
 #include "stability/small_bake.h"
 #include "statistical/test_scenes.h"
+#include "transport/direct.h"
 
 namespace prt {
 namespace {
@@ -47,7 +47,8 @@ Scene box(const Vec3f& size, float albedo) {
   return scene;
 }
 
-// ---- albedo ---------------------------------------------------------------------------------------
+// ---- albedo
+// ---------------------------------------------------------------------------------------
 
 /// Light is never lost but by absorption: indirect flux = ρ/(1 − ρ) of the direct flux.
 void expect_series_sum(const std::string& solver, float albedo, double tolerance) {
@@ -97,7 +98,8 @@ TEST(Stiff, AlbedoOneInAClosedRoomIsRefusedOrBounded) {
   }
 }
 
-// ---- depth ----------------------------------------------------------------------------------------
+// ---- depth
+// ----------------------------------------------------------------------------------------
 
 TEST(Stiff, DepthsFrom1e4To1e6InOneCluster) {
   // A tiny box stands on a floor in a huge one.
@@ -124,14 +126,16 @@ TEST(Stiff, NothingToHit) {
   for (std::size_t s = 0; s < samples.size(); ++s) {
     if (samples.normals[s].y() < 0.0F) continue;
     const double r = (Vec3f(0, 1, 0) - samples.positions[s]).norm();
-    worst = std::max(worst, std::abs(lit.direct(static_cast<Eigen::Index>(s), 0) * r * r * r - 1.0));
+    worst =
+        std::max(worst, std::abs(lit.direct(static_cast<Eigen::Index>(s), 0) * r * r * r - 1.0));
   }
   EXPECT_LT(worst, 1e-3);
   record("one plane: all rays escape", "E = cosθ/r², no indirect light",
          fmt::format("off by {:.1e}", worst));
 }
 
-// ---- clusters -------------------------------------------------------------------------------------
+// ---- clusters
+// -------------------------------------------------------------------------------------
 
 TEST(Stiff, ClustersOfAFewSamplesAndOneOfAll) {
   for (const auto& [count, size] : {std::pair{60, 8}, {400, 8}, {1200, 1200}}) {
@@ -176,7 +180,8 @@ TEST(Stiff, TwentyThousandSamplesInOneCluster) {
          fmt::format("{:.2g} W/m² at most", largest));
 }
 
-// ---- scale ----------------------------------------------------------------------------------------
+// ---- scale
+// ----------------------------------------------------------------------------------------
 
 Scene scaled(Scene scene, float factor) {
   for (Vec3f& p : scene.positions) p *= factor;
@@ -187,7 +192,8 @@ Scene scaled(Scene scene, float factor) {
 Scene furnished() {
   Scene scene = box({4.0F, 2.5F, 3.0F}, 0.6F);
   const auto red = add_material(scene, {0.8F, 0.3F, 0.2F});
-  add_box(scene, {0.9F, -0.2F, 0.6F}, {0.3F, -1.25F, 0.1F}, red);  // corners swapped: faces outwards
+  add_box(scene, {0.9F, -0.2F, 0.6F}, {0.3F, -1.25F, 0.1F},
+          red);  // corners swapped: faces outwards
   add_quad(scene, {-1.5F, -0.6F, -1.0F}, {0, 0, 1.6F}, {1.2F, 0, 0}, red);
   finish(scene);
   return scene;
@@ -200,7 +206,8 @@ TEST(Scale, ByPowersOfTwoChangesNoBit) {
   for (const int power : {-13, -7, 7, 17}) {
     const float factor = std::ldexp(1.0F, power);
     options.set("samples.start",
-                nlohmann::json::array({double{0.1F * factor}, double{0.9F * factor}, double{-0.2F * factor}}));
+                nlohmann::json::array(
+                    {double{0.1F * factor}, double{0.9F * factor}, double{-0.2F * factor}}));
     const SmallBake other(scaled(furnished(), factor), options);
     ASSERT_EQ(one.samples().size(), other.samples().size()) << power;
     std::size_t moved = 0;
@@ -218,7 +225,64 @@ TEST(Scale, ByPowersOfTwoChangesNoBit) {
   }
 }
 
-// ---- lights ---------------------------------------------------------------------------------------
+/// What a bake makes of twelve lights, whatever its unit: relative error of direct light against
+/// exact shadows, and indirect flux over direct flux.
+struct Quality {
+  double direct_error = 0.0;
+  double gain = 0.0;
+};
+
+Quality quality(const Scene& scene, float scale, const Vec3f& offset) {
+  const SmallBake bake(scene);
+  std::vector<Vec3f> lights;
+  for (int i = 0; i < 12; ++i) {
+    const auto at = [&](int k) { return 0.15F * static_cast<float>((i * k) % 7 - 3); };
+    lights.emplace_back(scale * Vec3f(2.5F * at(3), at(5) + 0.4F, 2.0F * at(2)) + offset);
+  }
+  const SampleSet& samples = bake.samples();
+  const MatrixF exact = direct_irradiance(bake.scene(), bake.bake().caster(), samples, 0,
+                                          static_cast<std::uint32_t>(samples.size()), lights, 0.0F);
+  double off = 0.0, power = 0.0, sent = 0.0, received = 0.0;
+  for (std::size_t l = 0; l < lights.size(); ++l) {
+    const SampleIrradiance lit = bake.light(lights[l]);
+    expect_sound(lit, "quality");
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      const auto i = static_cast<Eigen::Index>(s);
+      const double e = exact(static_cast<Eigen::Index>(l), i);
+      off += samples.areas[s] * std::pow(lit.direct(i, 0) - e, 2);
+      power += samples.areas[s] * e * e;
+    }
+    sent += bake.flux(lit.direct);
+    received += bake.flux(lit.indirect);
+  }
+  return {std::sqrt(off / power), received / sent};
+}
+
+TEST(Scale, OtherFactorsAndFarPlacesChangeLittle) {
+  const Quality one = quality(furnished(), 1.0F, Vec3f::Zero());
+  EXPECT_LT(one.direct_error, 0.15);
+  const auto expect_alike = [&](const std::string& what, const Quality& other) {
+    // Other samples are drawn, so neither is the same number.
+    EXPECT_NEAR(other.direct_error, one.direct_error, 0.25 * one.direct_error) << what;
+    EXPECT_NEAR(other.gain, one.gain, 0.02 * one.gain) << what;
+    record(what,
+           fmt::format("direct error {:.1f} % ± a quarter, gain {:.3f} ± 2 %",
+                       100.0 * one.direct_error, one.gain),
+           fmt::format("{:.1f} %, {:.3f}", 100.0 * other.direct_error, other.gain));
+  };
+  for (const float factor : {1e-4F, 1e5F}) {
+    expect_alike(fmt::format("scene scaled by {:.0e}", factor),
+                 quality(scaled(furnished(), factor), factor, Vec3f::Zero()));
+  }
+  const Vec3f far(1e4F, 2e3F, -1e4F);
+  Scene moved = furnished();
+  for (Vec3f& p : moved.positions) p += far;
+  finish(moved);
+  expect_alike("scene of 5 m moved by 10 km, vertices rounded to 1 mm", quality(moved, 1.0F, far));
+}
+
+// ---- lights
+// ---------------------------------------------------------------------------------------
 
 TEST(Lights, PlacesWhereNoneShouldStand) {
   const SmallBake room(furnished());
@@ -257,7 +321,8 @@ TEST(Lights, PowersAreLinearOver24Orders) {
   }
 }
 
-// ---- geometry -------------------------------------------------------------------------------------
+// ---- geometry
+// -------------------------------------------------------------------------------------
 
 TEST(Geometry, TwoRoomsJoinedByAPinhole) {
   // A wall across the room with a hole of 1 cm.
@@ -368,8 +433,8 @@ Scene odd(const std::string& name) {
 }
 
 TEST(Geometry, OddMeshesBake) {
-  for (const std::string name : {"single triangle", "coplanar faces", "inverted normals",
-                                 "open mesh", "slivers", "fan"}) {
+  for (const std::string name :
+       {"single triangle", "coplanar faces", "inverted normals", "open mesh", "slivers", "fan"}) {
     SCOPED_TRACE(name);
     OptionValues options = small_options();
     options.set("samples.count", 400);
@@ -383,7 +448,8 @@ TEST(Geometry, OddMeshesBake) {
   }
 }
 
-// ---- nothing needless -----------------------------------------------------------------------------
+// ---- nothing needless
+// -----------------------------------------------------------------------------
 
 TEST(Needless, BlackSurfacesHaveNoTransport) {
   const SmallBake room(box({2, 2, 2}, 0.0F));
