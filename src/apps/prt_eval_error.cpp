@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -82,13 +84,35 @@ Measured measure(const Package& package, const ReferenceSettings& settings, std:
   return measured;
 }
 
-/// "bake_seconds" of the report beside the package; null where there is none.
-json bake_seconds(const std::filesystem::path& package) {
+/// The report beside the package; an empty object where there is none.
+json bake_report(const std::filesystem::path& package) {
   std::ifstream in(package.parent_path() / "report.json");
-  const json report = json::parse(in, nullptr, false);
-  if (!report.is_object()) return nullptr;
+  json report = json::parse(in, nullptr, false);
+  return report.is_object() ? report : json::object();
+}
+
+/// Its "bake_seconds"; null where it has none.
+json bake_seconds(const json& report) {
   const auto found = report.find("bake_seconds");
   return found != report.end() && found->is_number() ? *found : json(nullptr);
+}
+
+/// CPU seconds by stage, the longest first: {stage, cpu_seconds}; empty where they are not known.
+json bake_stages(const json& report) {
+  const auto found = report.find("stages");
+  if (found == report.end() || !found->is_array()) return json::array();
+  std::vector<std::pair<double, std::string>> stages;
+  for (const json& s : *found) {
+    if (!s.is_object() || !s.contains("stage") || !s.contains("cpu_seconds")) continue;
+    if (!s["stage"].is_string() || !s["cpu_seconds"].is_number()) continue;
+    stages.emplace_back(s["cpu_seconds"].get<double>(), s["stage"].get<std::string>());
+  }
+  std::ranges::stable_sort(stages, std::greater<>(), [](const auto& s) { return s.first; });
+  json all = json::array();
+  for (const auto& [seconds, stage] : stages) {
+    all.push_back({{"stage", stage}, {"cpu_seconds", seconds}});
+  }
+  return all;
 }
 
 std::string percent(const json& value) {
@@ -100,6 +124,30 @@ void print_row(const char* name, const json& figures) {
              percent(figures["rel_rmse_light"]["median"]),
              percent(figures["rel_rmse_light"]["p95"]), percent(figures["standard_error"]),
              percent(figures["light_error"]), percent(figures["negative_share"]));
+}
+
+/// "light 7 at (1.2, 0.3, 4.0): 12.00 %; cluster 31: 20.00 % of the squared error"
+void print_worst(const char* name, const json& figures) {
+  const json& light = figures["worst_light"];
+  const json& cluster = figures["worst_cluster"];
+  if (!light.is_object() || !cluster.is_object()) return;
+  const json& p = light["position"];
+  fmt::print(
+      "  worst {:<9} light {} at {:.2f},{:.2f},{:.2f}: {}; cluster {}: {} of the squared error\n",
+      std::string(name) + ":", light["light"].get<std::size_t>(), p[0].get<double>(),
+      p[1].get<double>(), p[2].get<double>(), percent(light["rel_rmse"]),
+      cluster["cluster"].get<std::size_t>(), percent(cluster["error_share"]));
+}
+
+void print_stages(const json& stages) {
+  constexpr std::size_t kShown = 6;
+  if (stages.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, stages.size()); ++i) {
+    text += fmt::format("{}{} {:.1f}", i == 0 ? "" : ", ", stages[i]["stage"].get<std::string>(),
+                        stages[i]["cpu_seconds"].get<double>());
+  }
+  fmt::print("  CPU seconds of the bake: {}{}\n", text, stages.size() > kShown ? ", ..." : "");
 }
 
 void print_table(const json& report) {
@@ -114,14 +162,18 @@ void print_table(const json& report) {
   print_row("indirect, surface", report["indirect"]["surface"]);
   print_row("direct, samples", report["direct"]);
   print_row("direct, surface", report["direct"]["surface"]);
-  fmt::print("\n  visibility: wrong {}, soft {}, weighted {}\n",
-             percent(report["visibility_error"]), percent(report["visibility_error_soft"]),
+  fmt::print("\n");
+  print_worst("indirect", report["indirect"]);
+  print_worst("direct", report["direct"]);
+  fmt::print("  visibility: wrong {}, soft {}, weighted {}\n", percent(report["visibility_error"]),
+             percent(report["visibility_error_soft"]),
              percent(report["visibility_error_weighted"]));
   fmt::print("  surface that no sample reaches: {}\n", percent(report["unreached_share"]));
   const json& bake = report["bake_seconds"];
   fmt::print("  package {:.2f} MB, player {:.1f} ms per light, bake {}\n",
              report["package_bytes"].get<double>() / 1e6, report["play_ms"].get<double>(),
              bake.is_number() ? fmt::format("{:.1f} s", bake.get<double>()) : "time not known");
+  print_stages(report["bake_stages"]);
 }
 
 }  // namespace
@@ -139,7 +191,9 @@ void report_package_error(const EvalCommand& command) {
   report["points"] = settings.points;
   report["clearance"] = settings.clearance;
   report["package_bytes"] = std::filesystem::file_size(command.input);
-  report["bake_seconds"] = bake_seconds(command.input);
+  const json baked = bake_report(command.input);
+  report["bake_seconds"] = bake_seconds(baked);
+  report["bake_stages"] = bake_stages(baked);
   report["play_ms"] = quantile(measured.play_ms, 0.5);
   report["reference_seconds"] = measured.reference_seconds;
   report["reference_paths_per_second"] = measured.paths / measured.reference_seconds;

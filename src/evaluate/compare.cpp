@@ -1,53 +1,89 @@
 #include "evaluate/compare.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 
 namespace prt {
 namespace {
 
-/// Judges values against the reference's `part` (direct or indirect).
-IrradianceSums sums_of(const TestSet& set, std::array<Vec3f, 2> IrradianceEstimate::*part,
-                       const std::function<Vec3f(std::size_t)>& value) {
+/// Values, two references of each, and the area share that each stands for.
+struct Judged {
   std::vector<Vec3f> values, first, second;
-  for (std::size_t i = 0; i < set.points.size(); ++i) {
-    values.push_back(value(i));
-    first.push_back((set.reference[i].*part)[0]);
-    second.push_back((set.reference[i].*part)[1]);
+  std::vector<float> weights;
+  void add(const Vec3f& value, const Vec3f& r1, const Vec3f& r2, float weight) {
+    values.push_back(value);
+    first.push_back(r1);
+    second.push_back(r2);
+    weights.push_back(weight);
   }
-  return irradiance_sums(values, first, second, set.weights);
+  [[nodiscard]] IrradianceSums sums() const {
+    return irradiance_sums(values, first, second, weights);
+  }
+};
+
+/// What a set of test points says of `part` (direct or indirect).
+Judged judge(const TestSet& set, std::array<Vec3f, 2> IrradianceEstimate::*part,
+             const std::function<Vec3f(std::size_t)>& value) {
+  Judged judged;
+  for (std::size_t i = 0; i < set.points.size(); ++i) {
+    const auto& reference = set.reference[i].*part;
+    judged.add(value(i), reference[0], reference[1], set.weights[i]);
+  }
+  return judged;
+}
+
+/// The same cluster by cluster; sample(i) is the sample that i was judged at.
+std::vector<IrradianceSums> by_cluster(const Judged& judged, const SampleSet& samples,
+                                       const std::function<std::uint32_t(std::size_t)>& sample) {
+  std::vector<Judged> parts(samples.clusters());
+  const auto cluster = samples.cluster_of_sample();
+  for (std::size_t i = 0; i < judged.values.size(); ++i) {
+    parts[cluster[sample(i)]].add(judged.values[i], judged.first[i], judged.second[i],
+                                  judged.weights[i]);
+  }
+  std::vector<IrradianceSums> sums;
+  sums.reserve(parts.size());
+  for (const Judged& part : parts) sums.push_back(part.sums());
+  return sums;
 }
 
 /// Direct light is known exactly and costs one ray, so every sample is asked: a few near the light
 /// own the error, and a choice of points would mostly miss them.
 void compare_direct(const SampleSet& samples, const SampleIrradiance& played,
                     const LightReference& reference, LightErrors& errors) {
-  std::vector<Vec3f> values, exact;
+  Judged judged;
   std::vector<ReceiverPoint> points;
-  std::vector<float> weights, visibility;
+  std::vector<float> visibility;
   std::vector<std::uint8_t> seen;
   const double area = std::accumulate(samples.areas.begin(), samples.areas.end(), 0.0);
   for (std::size_t s = 0; s < samples.size(); ++s) {
-    values.emplace_back(played.direct.block<1, 3>(static_cast<Eigen::Index>(s), 0).transpose());
-    exact.emplace_back(Vec3f::Constant(reference.direct.at(s)));
+    const Vec3f exact = Vec3f::Constant(reference.direct.at(s));
+    judged.add(played.direct.block<1, 3>(static_cast<Eigen::Index>(s), 0).transpose(), exact, exact,
+               static_cast<float>(samples.areas[s] / area));
     points.push_back({samples.positions[s], samples.normals[s]});
-    weights.push_back(static_cast<float>(samples.areas[s] / area));
     // A light within rounding of the horizon may have no value; it is dark either way.
     const float v = played.visibility[0][s];
     visibility.push_back(v == kUnlit ? 0.0F : v);
     seen.push_back(reference.direct[s] > 0.0F ? 1 : 0);
   }
-  errors.direct = irradiance_sums(values, exact, exact, weights);
-  errors.visibility = visibility_sums(points, weights, reference.light.position, visibility, seen);
+  errors.direct = judged.sums();
+  errors.direct_by_cluster =
+      by_cluster(judged, samples, [](std::size_t s) { return static_cast<std::uint32_t>(s); });
+  errors.visibility =
+      visibility_sums(points, judged.weights, reference.light.position, visibility, seen);
 }
 
-void compare_indirect(const SampleIrradiance& played, const LightReference& reference,
-                      LightErrors& errors) {
-  errors.indirect =
-      sums_of(reference.at_samples, &IrradianceEstimate::indirect, [&](std::size_t i) -> Vec3f {
+void compare_indirect(const SampleSet& samples, const SampleIrradiance& played,
+                      const LightReference& reference, LightErrors& errors) {
+  const Judged judged =
+      judge(reference.at_samples, &IrradianceEstimate::indirect, [&](std::size_t i) -> Vec3f {
         return played.indirect.block<1, 3>(reference.sample_index[i], 0).transpose();
       });
+  errors.indirect = judged.sums();
+  errors.indirect_by_cluster =
+      by_cluster(judged, samples, [&](std::size_t i) { return reference.sample_index[i]; });
 }
 
 void compare_on_surface(const Evaluator& player, const SampleIrradiance& played,
@@ -56,13 +92,50 @@ void compare_on_surface(const Evaluator& player, const SampleIrradiance& played,
   std::vector<PlayPoint> points;
   for (const ReceiverPoint& p : set.points) points.push_back({p.position, p.normal, p.normal});
   const auto values = player.reconstruct(played, points);
-  errors.direct_surface =
-      sums_of(set, &IrradianceEstimate::direct, [&](std::size_t i) { return values[i].direct; });
-  errors.indirect_surface = sums_of(set, &IrradianceEstimate::indirect,
-                                    [&](std::size_t i) { return values[i].indirect; });
+  const auto direct = [&](std::size_t i) { return values[i].direct; };
+  const auto indirect = [&](std::size_t i) { return values[i].indirect; };
+  errors.direct_surface = judge(set, &IrradianceEstimate::direct, direct).sums();
+  errors.indirect_surface = judge(set, &IrradianceEstimate::indirect, indirect).sums();
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!values[i].reached) errors.unreached += set.weights[i];
   }
+}
+
+/// The light whose own relative error is the largest.
+nlohmann::json worst_light(std::span<const LightErrors> lights, IrradianceSums LightErrors::*part) {
+  nlohmann::json worst = nullptr;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    const IrradianceSums& sums = lights[k].*part;
+    if (!(sums.squared_error > 0.0) || !(sums.squared_power > 0.0)) continue;
+    const double error = std::sqrt(sums.squared_error / sums.squared_power);
+    if (!(error > largest)) continue;
+    largest = error;
+    const Vec3f& p = lights[k].position;
+    worst = {{"light", k}, {"position", {p.x(), p.y(), p.z()}}, {"rel_rmse", error}};
+  }
+  return worst;
+}
+
+/// The cluster in which most of the pooled squared error lies.
+nlohmann::json worst_cluster(std::span<const LightErrors> lights,
+                             std::vector<IrradianceSums> LightErrors::*part) {
+  if (lights.empty()) return nullptr;
+  std::vector<double> error((lights[0].*part).size(), 0.0);
+  std::vector<double> power(error.size(), 0.0);
+  for (const LightErrors& light : lights) {
+    for (std::size_t c = 0; c < error.size(); ++c) {
+      error[c] += (light.*part)[c].squared_error;
+      power[c] += (light.*part)[c].squared_power;
+    }
+  }
+  const double total = std::accumulate(error.begin(), error.end(), 0.0);
+  const auto worst = std::ranges::max_element(error);
+  if (worst == error.end() || !(*worst > 0.0) || !(total > 0.0)) return nullptr;
+  const auto c = static_cast<std::size_t>(worst - error.begin());
+  nlohmann::json own = nullptr;  // a cluster in the dark has no scale
+  if (power[c] > 0.0) own = std::sqrt(error[c] / power[c]);
+  return {{"cluster", c}, {"rel_rmse", own}, {"error_share", error[c] / total}};
 }
 
 }  // namespace
@@ -74,9 +147,10 @@ std::uint64_t LightErrors::not_finite() const {
 
 LightErrors compare(const Evaluator& player, const LightReference& reference) {
   LightErrors errors;
+  errors.position = reference.light.position;
   const SampleIrradiance played = player.evaluate({&reference.light, 1});
   compare_direct(player.package().samples, played, reference, errors);
-  compare_indirect(played, reference, errors);
+  compare_indirect(player.package().samples, played, reference, errors);
   compare_on_surface(player, played, reference, errors);
   return errors;
 }
@@ -98,6 +172,10 @@ nlohmann::json error_report(std::span<const LightErrors> lights) {
   report["direct"]["surface"] = judged(&LightErrors::direct_surface);
   report["indirect"] = judged(&LightErrors::indirect);
   report["indirect"]["surface"] = judged(&LightErrors::indirect_surface);
+  report["direct"]["worst_light"] = worst_light(lights, &LightErrors::direct);
+  report["direct"]["worst_cluster"] = worst_cluster(lights, &LightErrors::direct_by_cluster);
+  report["indirect"]["worst_light"] = worst_light(lights, &LightErrors::indirect);
+  report["indirect"]["worst_cluster"] = worst_cluster(lights, &LightErrors::indirect_by_cluster);
   const VisibilityError seen = visibility_error(visibility);
   report["visibility_error"] = seen.wrong_share;
   report["visibility_error_soft"] = seen.soft;

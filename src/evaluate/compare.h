@@ -12,8 +12,10 @@ namespace prt {
 
 /// All that one test light tells about a package. Sums pool over lights.
 struct LightErrors {
+  Vec3f position = Vec3f::Zero();                   ///< of the light, m
   IrradianceSums direct, indirect;                  ///< at samples
   IrradianceSums direct_surface, indirect_surface;  ///< as the player reconstructs
+  std::vector<IrradianceSums> direct_by_cluster, indirect_by_cluster;  ///< at samples, as above
   VisibilitySums visibility;
   double unreached = 0.0;  ///< share of the surface that no splat reaches; counts there as unlit
   [[nodiscard]] std::uint64_t not_finite() const;
@@ -23,7 +25,9 @@ struct LightErrors {
 /// package.
 LightErrors compare(const Evaluator& player, const LightReference& reference);
 
-/// Keys direct and indirect (those of to_json(IrradianceError), and the same under "surface"),
+/// Keys direct and indirect (those of to_json(IrradianceError), the same under "surface",
+/// worst_light {light, position, rel_rmse} by its own error and worst_cluster {cluster, rel_rmse,
+/// error_share} by its share of the pooled squared error; null where there is no error),
 /// visibility_error, visibility_error_soft, visibility_error_weighted, unreached_share, lights.
 nlohmann::json error_report(std::span<const LightErrors> lights);
 

@@ -60,6 +60,27 @@ TEST_F(Compare, SeesAnErrorOfTenPerCent) {
   EXPECT_NEAR(irradiance_error({&errors.direct, 1}).rel_rmse, 0.1, 1e-4);
 }
 
+TEST_F(Compare, NamesTheWorstLightAndTheWorstCluster) {
+  std::vector<LightReference> references = {trace(0, 1), trace(1, 1), trace(2, 1)};
+  const SampleSet& samples = package_.samples;
+  for (float& direct : references[0].direct) direct *= 1.05F;
+  for (std::uint32_t s = samples.cluster_begin[4]; s < samples.cluster_begin[5]; ++s) {
+    references[2].direct[s] *= 3.0F;
+  }
+  std::vector<LightErrors> lights;
+  for (const LightReference& reference : references) lights.push_back(compare(player_, reference));
+  const auto report = error_report(lights)["direct"];
+  EXPECT_EQ(report["worst_light"]["light"], 2U);
+  EXPECT_NEAR(report["worst_light"]["position"][1].get<double>(), lights[2].position.y(), 1e-6);
+  EXPECT_EQ(report["worst_cluster"]["cluster"], 4U);
+  EXPECT_GT(report["worst_cluster"]["error_share"].get<double>(), 0.9);
+  // Nothing wrong, nobody worst.
+  const auto exact = error_report({&lights[1], 1})["direct"];
+  EXPECT_TRUE(exact["worst_light"].is_null() ||
+              exact["worst_light"]["rel_rmse"].get<double>() < kRounding);
+  EXPECT_TRUE(error_report({})["direct"]["worst_cluster"].is_null());
+}
+
 TEST_F(Compare, SeesALightThatIsHidden) {
   LightReference reference = trace(0, 1);
   std::ranges::fill(reference.direct, 0.0F);
