@@ -11,7 +11,7 @@ namespace {
 
 /// What the parser fills in, before it is checked as a whole.
 struct Words {
-  std::string package, reference, points, output, json;
+  std::string package, reference, points, output, json, pictures;
   std::vector<std::string> lights;
   float clearance = 0.0F;
 };
@@ -36,7 +36,7 @@ void check_form(const CLI::App& app, const Words& words) {
   }
   if (words.output.empty()) refuse("--points needs -o OUT.csv");
   if (words.lights.empty()) refuse("--points needs at least one --light SPEC");
-  for (const char* option : {"--lights", "--clearance", "--json"}) {
+  for (const char* option : {"--lights", "--clearance", "--json", "--pictures"}) {
     if (given(option)) refuse(std::string(option) + " does not go with --points");
   }
   if (words.reference.empty()) {
@@ -69,6 +69,10 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
                         ->type_name("M");
   app.add_option("--json", words.json, "write the figures as JSON; - for standard output")
       ->type_name("FILE");
+  app.add_option("--pictures", words.pictures,
+                 "write a picture per test light into this folder: error of direct (left) and "
+                 "indirect light (right) over its mean, red too bright, blue too dark")
+      ->type_name("DIR");
   app.add_option("--points", words.points, "points x,y,z,nx,ny,nz at which irradiance is asked for")
       ->type_name("FILE.csv");
   app.add_option("--light", words.lights,
@@ -84,7 +88,8 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
       ->type_name("OUT.csv");
   app.footer(
       "Three forms:\n"
-      "  prt_eval PACKAGE [--lights N] [--seed S] [--spp N] [--clearance M] [--json FILE]\n"
+      "  prt_eval PACKAGE [--lights N] [--seed S] [--spp N] [--clearance M] [--json FILE] "
+      "[--pictures DIR]\n"
       "  prt_eval PACKAGE --points FILE.csv --light SPEC... -o OUT.csv\n"
       "  prt_eval --reference SCENE --points FILE.csv --light SPEC... [--spp N] [--seed S] -o "
       "OUT.csv\n"
@@ -97,6 +102,7 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
   command.input = words.reference.empty() ? words.package : words.reference;
   if (clearance->count() > 0) command.clearance = words.clearance;
   command.json = words.json;
+  command.pictures = words.pictures;
   command.points = words.points;
   command.output = words.output;
   for (const std::string& spec : words.lights) command.point_lights.push_back(parse_light(spec));

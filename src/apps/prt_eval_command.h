@@ -23,6 +23,7 @@ struct EvalCommand {
   int paths = 64;                  ///< per point and light
   std::optional<float> clearance;  ///< m, kError
   std::filesystem::path json;      ///< kError; empty: print a table
+  std::filesystem::path pictures;  ///< kError; folder for an error picture per light; empty: none
   std::filesystem::path points;    ///< CSV in
   std::vector<Light> point_lights;
   std::filesystem::path output;  ///< CSV out

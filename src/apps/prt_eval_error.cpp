@@ -13,9 +13,14 @@
 #include <span>
 
 #include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/image_file.h"
+#include "base/random.h"
 #include "evaluate/compare.h"
+#include "evaluate/error_picture.h"
 #include "evaluate/reference.h"
 #include "package/read.h"
+#include "player/set_up.h"
 #include "scene/embree/embree_ray_caster.h"
 #include "transport/free_space.h"
 
@@ -55,12 +60,44 @@ struct Measured {
   double paths = 0.0;
 };
 
-Measured measure(const Package& package, const ReferenceSettings& settings, std::size_t lights) {
+/// DIR/light-0003.png: where the package is wrong under test light 3.
+class Pictures {
+ public:
+  Pictures(std::filesystem::path folder, const Evaluator& player) : folder_(std::move(folder)) {
+    if (folder_.empty()) return;
+    const auto& own = player.package().scene.camera;
+    camera_ = own ? *own : default_camera(player);
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) {
+      throw UserError(
+          fmt::format("--pictures {}: cannot be made: {}", folder_.string(), error.message()));
+    }
+  }
+  void draw(const Evaluator& player, const ReferenceInputs& inputs,
+            const ReferenceSettings& settings, const Light& light, std::size_t number) const {
+    if (folder_.empty()) return;
+    const Picture picture =
+        draw_error(player, inputs, light, camera_,
+                   {.paths = settings.paths,
+                    .stream = stream_key(settings.seed, fmt::format("picture {}", number))});
+    write_png(folder_ / fmt::format("light-{:04}.png", number), picture.width, picture.height,
+              picture.rgb);
+  }
+
+ private:
+  std::filesystem::path folder_;
+  SceneCamera camera_;
+};
+
+Measured measure(const Package& package, const ReferenceSettings& settings, std::size_t lights,
+                 const std::filesystem::path& pictures) {
   const auto caster = make_embree_ray_caster(package.scene);
   const SenderSearch search(package.scene, package.samples);
   const Evaluator player(package);
   const ReferenceInputs inputs{package.scene, *caster, package.samples, search};
   Measured measured;
+  const Pictures drawn(pictures, player);
   const ProgressLine progress(lights);
   for (std::size_t k = 0; k < lights; ++k) {
     progress.light(k);
@@ -74,6 +111,7 @@ Measured measure(const Package& package, const ReferenceSettings& settings, std:
     static_cast<void>(player.evaluate({&reference.light, 1}));
     measured.play_ms.push_back(1000.0 * seconds_since(before_play));
     measured.lights.push_back(compare(player, reference));
+    drawn.draw(player, inputs, settings, reference.light, k);
     if (const auto bad = measured.lights.back().not_finite(); bad > 0) {
       throw std::runtime_error(
           fmt::format("{} values of test light {} are not finite; the package or the reference is "
@@ -184,7 +222,7 @@ void report_package_error(const EvalCommand& command) {
   settings.seed = command.seed;
   settings.paths = command.paths;
   settings.clearance = command.clearance.value_or(light_clearance(package.samples, kTestClearance));
-  const Measured measured = measure(package, settings, command.lights);
+  const Measured measured = measure(package, settings, command.lights, command.pictures);
   json report = error_report(measured.lights);
   report["seed"] = command.seed;
   report["spp"] = command.paths;

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "player/tone.h"
+#include "player/visible_surfaces.h"
 
 namespace prt {
 namespace {
@@ -15,46 +16,6 @@ constexpr std::size_t kGrain = 4096;
 /// Linear; a calm dark blue that no lit surface has.
 const Vec3f kBackground(0.010F, 0.013F, 0.020F);
 const Vec3f kUnlitColour(0.12F, 0.01F, 0.01F);
-
-/// The surfaces that the picture's samples see, in picture order without those that see none.
-struct Surfaces {
-  std::vector<std::uint32_t> place;  ///< in the picture
-  std::vector<PlayPoint> points;
-  std::vector<Vec3f> albedo;
-};
-
-/// The shading normal at a fragment, on the side of the geometric one.
-Vec3f shading_normal(const Scene& scene, const Fragment& fragment, const SurfacePoint& surface) {
-  const auto& vertex = scene.triangles[fragment.triangle].vertex;
-  const Vec3f blended = (1.0F - fragment.u - fragment.v) * scene.normals[vertex[0]] +
-                        fragment.u * scene.normals[vertex[1]] +
-                        fragment.v * scene.normals[vertex[2]];
-  const float length = blended.norm();
-  if (!(length > 1e-3F)) return surface.normal;
-  const Vec3f normal = (surface.front ? 1.0F : -1.0F) / length * blended;
-  return normal.dot(surface.normal) > 0.0F ? normal : surface.normal;
-}
-
-Surfaces surfaces_of(const Scene& scene, const Vec3f& eye, const FragmentImage& image,
-                     unsigned threads) {
-  Surfaces surfaces;
-  for (std::uint32_t i = 0; i < image.fragments.size(); ++i) {
-    if (image.fragments[i].triangle != kNone) surfaces.place.push_back(i);
-  }
-  surfaces.points.resize(surfaces.place.size());
-  surfaces.albedo.resize(surfaces.place.size());
-  parallel_for(surfaces.place.size(), kGrain, threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Fragment& f = image.fragments[surfaces.place[i]];
-      const Vec3f position = triangle_point(scene, f.triangle, f.u, f.v);
-      const SurfacePoint surface =
-          surface_at(scene, {eye, (position - eye).normalized()}, {f.triangle, 0.0F, f.u, f.v});
-      surfaces.points[i] = {surface.position, surface.normal, shading_normal(scene, f, surface)};
-      surfaces.albedo[i] = albedo_at(scene, f.triangle, f.u, f.v);
-    }
-  });
-  return surfaces;
-}
 
 /// A colour for each cluster, far from its neighbours' by the golden ratio.
 Vec3f cluster_colour(std::uint32_t cluster) {
@@ -67,7 +28,7 @@ Vec3f cluster_colour(std::uint32_t cluster) {
   return cluster % 2 == 0 ? colour : Vec3f(0.45F * colour);
 }
 
-std::vector<Vec3f> cluster_colours(const Evaluator& evaluator, const Surfaces& surfaces,
+std::vector<Vec3f> cluster_colours(const Evaluator& evaluator, const VisibleSurfaces& surfaces,
                                    const Vec3f& eye, unsigned threads) {
   const auto cluster_of = evaluator.package().samples.cluster_of_sample();
   std::vector<Vec3f> colours(surfaces.points.size(), Vec3f::Zero());
@@ -98,8 +59,9 @@ std::vector<bool> sampled_sides(const Package& package) {
   return sides;
 }
 
-void count_unreached(const Package& package, const FragmentImage& image, const Surfaces& surfaces,
-                     const std::vector<PlayedIrradiance>& played, Picture& picture) {
+void count_unreached(const Package& package, const FragmentImage& image,
+                     const VisibleSurfaces& surfaces, const std::vector<PlayedIrradiance>& played,
+                     Picture& picture) {
   const std::vector<bool> sides = sampled_sides(package);
   picture.covered = played.size();
   for (std::size_t i = 0; i < played.size(); ++i) {
@@ -116,7 +78,7 @@ Vec3f clamped_radiance(const Vec3f& albedo, const Vec3f& irradiance) {
 }
 
 /// Display colours (linear, [0, 1]) of all surfaces.
-std::vector<Vec3f> tone_mapped(const Surfaces& surfaces,
+std::vector<Vec3f> tone_mapped(const VisibleSurfaces& surfaces,
                                const std::vector<PlayedIrradiance>& played,
                                const PictureSettings& settings, Picture& picture) {
   std::vector<Vec3f> colours(played.size());
@@ -176,7 +138,7 @@ Picture render(const Evaluator& evaluator, const SampleIrradiance& irradiance,
   const int side = settings.samples_per_side;
   const FragmentImage image =
       rasterise(scene, camera, settings.width * side, settings.height * side, settings.threads);
-  const Surfaces surfaces = surfaces_of(scene, camera.eye, image, settings.threads);
+  const VisibleSurfaces surfaces = visible_surfaces(scene, camera.eye, image, settings.threads);
   const std::vector<PlayedIrradiance> played = evaluator.reconstruct(irradiance, surfaces.points);
   count_unreached(evaluator.package(), image, surfaces, played, picture);
   const std::vector<Vec3f> colours =

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "evaluate/error_picture.h"
 #include "scene/embree/embree_ray_caster.h"
 #include "transport/free_space.h"
 #include "unit/evaluate/box_room.h"
@@ -148,6 +149,37 @@ TEST_F(Compare, AsManyPointsAsSamplesMeansAllOfThem) {
   choose_sample_points(package_.samples, settings, 0, reference);
   EXPECT_EQ(reference.sample_index.size(), package_.samples.size());
   EXPECT_EQ(reference.sample_index.back(), package_.samples.size() - 1);
+}
+
+TEST_F(Compare, ErrorPictureIsWhiteWhereRightAndBlueWhereLightIsMissing) {
+  package_.scene = scene_;
+  SceneCamera camera;
+  camera.eye = Vec3f(1.0F, 1.0F, 1.9F);
+  camera.target = Vec3f(1.0F, 1.0F, 0.0F);
+  Light light;
+  light.position = Vec3f(0.6F, 1.3F, 1.0F);
+  ErrorPictureSettings settings;
+  settings.width = 40;
+  settings.height = 30;
+  settings.paths = 64;
+  const Picture picture =
+      draw_error(player_, {scene_, *caster_, package_.samples, search_}, light, camera, settings);
+  ASSERT_EQ(picture.width, 80);
+  ASSERT_EQ(picture.covered, 1200U);  // the room is closed
+  EXPECT_EQ(picture.not_finite, 0U);
+  std::array<int, 2> pale{}, blue{};
+  for (int y = 0; y < 30; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      const std::uint8_t* rgb = &picture.rgb[3 * static_cast<std::size_t>(y * 80 + x)];
+      const std::size_t panel = x < 40 ? 0 : 1;
+      pale[panel] += rgb[0] > 240 && rgb[2] > 240 ? 1 : 0;
+      blue[panel] += rgb[0] < 40 && rgb[2] > 180 ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(pale[0], 1200);  // direct light is exact
+  EXPECT_EQ(blue[0], 0);
+  EXPECT_EQ(blue[1], 1200);  // of the indirect light nothing is there
+  EXPECT_EQ(pale[1], 0);
 }
 
 }  // namespace

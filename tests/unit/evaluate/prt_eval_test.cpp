@@ -137,9 +137,12 @@ TEST_F(EvalProgram, RefusesRubbishInOneLine) {
 }
 
 TEST_F(EvalProgram, WritesTheKeysThatScriptsRead) {
-  const Outcome outcome = run("prt_eval", {package(), "--lights", "2", "--seed", "5", "--spp", "4",
-                                           "--json", file("error.json")});
+  const Outcome outcome =
+      run("prt_eval", {package(), "--lights", "2", "--seed", "5", "--spp", "4", "--json",
+                       file("error.json"), "--pictures", file("pictures")});
   ASSERT_EQ(outcome.code, 0) << outcome.text;
+  EXPECT_TRUE(fs::exists(file("pictures/light-0000.png")));
+  EXPECT_TRUE(fs::exists(file("pictures/light-0001.png")));
   const auto json = nlohmann::json::parse(test::read_text(file("error.json")));
   for (const char* part : {"direct", "indirect"}) {
     for (const std::string& place : {std::string("/"), std::string("/surface/")}) {
