@@ -81,6 +81,10 @@ class Pictures {
         draw_error(player, inputs, light, camera_,
                    {.paths = settings.paths,
                     .stream = stream_key(settings.seed, fmt::format("picture {}", number))});
+    if (picture.not_finite > 0) {
+      throw std::runtime_error(fmt::format(
+          "{} values of the picture of test light {} are not finite", picture.not_finite, number));
+    }
     write_png(folder_ / fmt::format("light-{:04}.png", number), picture.width, picture.height,
               picture.rgb);
   }

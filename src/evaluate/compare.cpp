@@ -117,7 +117,8 @@ nlohmann::json worst_light(std::span<const LightErrors> lights, IrradianceSums L
   return worst;
 }
 
-/// The cluster in which most of the pooled squared error lies.
+/// The cluster in which most of the pooled squared error lies. Unbiased squares may come out
+/// negative: those clusters count as without error.
 nlohmann::json worst_cluster(std::span<const LightErrors> lights,
                              std::vector<IrradianceSums> LightErrors::*part) {
   if (lights.empty()) return nullptr;
@@ -129,7 +130,8 @@ nlohmann::json worst_cluster(std::span<const LightErrors> lights,
       power[c] += (light.*part)[c].squared_power;
     }
   }
-  const double total = std::accumulate(error.begin(), error.end(), 0.0);
+  double total = 0.0;
+  for (const double e : error) total += std::max(0.0, e);
   const auto worst = std::ranges::max_element(error);
   if (worst == error.end() || !(*worst > 0.0) || !(total > 0.0)) return nullptr;
   const auto c = static_cast<std::size_t>(worst - error.begin());

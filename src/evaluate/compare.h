@@ -27,8 +27,9 @@ LightErrors compare(const Evaluator& player, const LightReference& reference);
 
 /// Keys direct and indirect (those of to_json(IrradianceError), the same under "surface",
 /// worst_light {light, position, rel_rmse} by its own error and worst_cluster {cluster, rel_rmse,
-/// error_share} by its share of the pooled squared error; null where there is no error),
-/// visibility_error, visibility_error_soft, visibility_error_weighted, unreached_share, lights.
+/// error_share} by its share of the squared error of all clusters, in [0, 1]; null where there is
+/// no error), visibility_error, visibility_error_soft, visibility_error_weighted, unreached_share,
+/// lights.
 nlohmann::json error_report(std::span<const LightErrors> lights);
 
 }  // namespace prt

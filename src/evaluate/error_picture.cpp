@@ -13,10 +13,12 @@ const Vec3f kTooBright(0.78F, 0.12F, 0.10F);
 const Vec3f kTooDark(0.10F, 0.25F, 0.75F);
 const Vec3f kRight(0.97F, 0.97F, 0.97F);
 const Vec3f kNotReached(0.25F, 0.25F, 0.25F);
+const Vec3f kNotFinite(0.95F, 0.85F, 0.10F);
 const Vec3f kNothing(0.08F, 0.08F, 0.10F);
 
 /// Of an error in [-1, 1], sRGB; beyond it stays the strongest.
 Vec3f colour_of(float error) {
+  if (std::isnan(error)) return kNotFinite;
   const float strength = std::min(1.0F, std::abs(error));
   return kRight + strength * ((error > 0.0F ? kTooBright : kTooDark) - kRight);
 }
@@ -36,8 +38,9 @@ class Canvas {
     }
   }
   void set(int x, int y, const Vec3f& colour) {
-    const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
-                              static_cast<std::size_t>(x);
+    const std::size_t pixel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) +
+        static_cast<std::size_t>(x);
     for (std::size_t c = 0; c < 3; ++c) {
       picture_.rgb[3 * pixel + c] =
           static_cast<std::uint8_t>(std::lround(255.0F * colour[static_cast<Eigen::Index>(c)]));
@@ -75,12 +78,13 @@ std::vector<float> smoothed(const std::vector<float>& values, const VisibleSurfa
       for (int x = std::max(0, x0 - kReach); x <= std::min(width - 1, x0 + kReach); ++x) {
         const std::uint32_t j = at[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                    static_cast<std::size_t>(x)];
-        if (j == kNone || !same_surface(surfaces.points[i], surfaces.points[j])) continue;
+        if (j == kNone || !std::isfinite(values[j])) continue;
+        if (!same_surface(surfaces.points[i], surfaces.points[j])) continue;
         sum += values[j];
         ++count;
       }
     }
-    means[i] = sum / static_cast<float>(count);  // at least the pixel itself
+    means[i] = std::isfinite(values[i]) ? sum / static_cast<float>(count) : values[i];
   }
   return means;
 }
@@ -112,7 +116,9 @@ Picture draw_error(const Evaluator& player, const ReferenceInputs& inputs, const
       const float truth = grey(direct ? traced[i].mean_direct() : traced[i].mean_indirect());
       const float value = grey(direct ? played[i].direct : played[i].indirect);
       if (!std::isfinite(value)) ++canvas.picture().not_finite;
-      errors.push_back(mean > 0.0F ? (value - truth) / (kStrongestError * mean) : 0.0F);
+      // In the dark any light is wrong.
+      const float off = value - truth;
+      errors.push_back(off == 0.0F ? 0.0F : off / (kStrongestError * mean));
     }
     if (!direct) errors = smoothed(errors, surfaces, settings.width, settings.height);
     for (std::size_t i = 0; i < traced.size(); ++i) {

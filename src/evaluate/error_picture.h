@@ -19,9 +19,10 @@ inline constexpr float kStrongestError = 0.5F;
 
 /// Two panels side by side, direct light left and indirect light right: what the player shows minus
 /// what the path tracer says at each pixel, over the mean of what it says in the panel. Red is too
-/// bright, blue too dark, white right, dark grey where no splat reaches; a strip below shows the
-/// scale from −kStrongestError to +kStrongestError. Indirect errors are means over a few pixels of
-/// the same surface, and some of the reference's noise is left in them.
+/// bright, blue too dark, white right, dark grey where no splat reaches, yellow where a value is
+/// not finite; a strip below shows the scale from −kStrongestError to +kStrongestError. Indirect
+/// errors are means over a few pixels of the same surface, and some of the reference's noise is
+/// left in them.
 Picture draw_error(const Evaluator& player, const ReferenceInputs& inputs, const Light& light,
                    const SceneCamera& camera, const ErrorPictureSettings& settings);
 

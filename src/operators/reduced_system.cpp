@@ -10,8 +10,9 @@ namespace prt {
 
 namespace {
 
-// LU of so many unknowns holds 2.3 GB. It takes about n³ · 2/3 flops, iterating some 20 n² per
-// column: with ten light functions to 39 unknowns LU is the faster one up to far beyond that.
+// R and its LU of so many unknowns hold 2.3 GB, right-hand sides and solutions up to as much again.
+// It takes about n³ · 2/3 flops, iterating some 20 n² per column: with ten light functions to 39
+// unknowns LU is the faster one up to far beyond that.
 constexpr Eigen::Index kLargestDense = 12000;
 constexpr double kMostResidual = 1e-6;
 constexpr int kMostIterations = 500;

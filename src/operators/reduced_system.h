@@ -11,7 +11,7 @@ struct ReducedSolution {
 };
 
 /// Solves (I − R) x = b for an operator R with norm below 1: R n × n, b n × m. `bounces` < 0: all
-/// of them, by LU up to 12,000 unknowns (2.3 GB) and by iteration above; else x = b + R b + … +
+/// of them, by LU up to 12,000 unknowns (some 4 GB) and by iteration above; else x = b + R b + … +
 /// R^(bounces) b. Throws UnsoundData where the solution is not finite, the residual stays above
 /// 1e-6 or x is over 10,000 times b: the albedo is too near 1 for light ever to be lost.
 ReducedSolution solve_reduced(const MatrixD& r, const MatrixD& b, int bounces);

@@ -94,10 +94,11 @@ struct Photon {
   int flights = 0;
 };
 
-/// Flights after which no photon still goes at any albedo below 0.9999, and those after which half
-/// of them may.
+/// At albedo 0.9999 half the photons still fly after so many flights (ln 2 · 10,000) ...
+constexpr int kManyFlights = 6931;
+/// ... which is told of a batch of at least so many; one in e^100 still flies after the most.
+constexpr std::size_t kTellingBatch = 64;
 constexpr int kMostFlights = 1'000'000;
-constexpr int kManyFlights = 5000;
 
 /// Weight after reflection and whether the photon goes on; roulette by the largest albedo.
 bool reflect(Photon& photon, const Vec3f& albedo) {
@@ -135,7 +136,8 @@ class PhotonFlight {
   void fly() {
     const std::size_t started = rays_.size();
     for (int flight = 0; !rays_.empty(); ++flight) {
-      const bool many = flight >= kManyFlights && 2 * rays_.size() > started;
+      const bool many =
+          started >= kTellingBatch && flight >= kManyFlights && 2 * rays_.size() > started;
       if (bounces_ < 0 && (many || flight >= kMostFlights)) {
         throw UnsoundData(
             "photons are as good as never absorbed: some albedo is too near 1 in a closed space; "

@@ -29,7 +29,8 @@ struct PhotonTransfer {
 /// points that measured the cluster's cells, so uniform in area over all of each cell, the parts
 /// its sample does not see included; points of other clusters do not matter. They leave with cosine
 /// density and weight albedo, and are counted in the cell they land in; density is power over cell
-/// area. Throws UnsoundData where all bounces are wanted and a photon is never absorbed.
+/// area. Throws UnsoundData where all bounces are wanted and light is lost more slowly than at
+/// albedo 0.9999 in a closed space.
 PhotonTransfer shoot_photons(const Scene& scene, const RayCaster& caster, const SampleSet& samples,
                              const SenderSearch& search, const CellPoints& points,
                              std::uint32_t cluster, const MatrixF& functions, int channels,

@@ -25,7 +25,7 @@ skip() {
 }
 
 # shellcheck disable=SC2034  # the tests use it
-# A bake of some 90 tasks and a few core seconds: long enough to be killed on the way.
+# A bake of some 230 tasks and a few core seconds: long enough to be killed on the way.
 tiny_bake=("$bin/prt_bake" "$root/configs/default.yaml"
   --set "scene=$root/configs/scenes/cornell.glb"
   --set samples.count=6000 --set samples.cluster_size=250 --set rays.directions=528

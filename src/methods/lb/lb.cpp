@@ -90,7 +90,8 @@ class LeonhardtBohn : public Method {
          1.0,
          {},
          "1",
-         "senders that fill more of a sample's hemisphere, and at least 6 / rays.directions of it, "
+         "senders that fill more of a sample's hemisphere, and more than 6 / rays.directions of "
+         "it, "
          "send to it one by one; 1: none does",
          "beyond LB"},
         {"lb.solver",

@@ -56,6 +56,7 @@ Artifact run_photon_transfer(const TaskSpec& task, const TaskReader& reader) {
     }
   }
   std::vector<MatrixF> fields;
+  fields.reserve(transfer.size());
   for (const ChannelTransfer& t : transfer) fields.emplace_back(t.once * *typical);
   Artifact out = compress_transfer(
       transfer, fields, cluster_areas(shared->samples, cluster), functions->begin, *typical,

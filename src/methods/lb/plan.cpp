@@ -20,8 +20,8 @@ constexpr std::size_t kLightsPerTask = 250;
 // The first snapshot bases; doubled while the measured residual stays above the tolerance.
 constexpr int kSnapshotRank = 56;
 constexpr int kTransferRank = 50;
-// An entry that fewer rays have hit is more noise than knowledge, and most entries are of that
-// kind: one by one they would cost more than all the rest.
+// An entry of less weight than so many mean rays is more noise than knowledge, and most entries are
+// of that kind: one by one they would cost more than all the rest.
 constexpr double kNearRays = 6.0;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
@@ -165,8 +165,8 @@ class Planner {
     if (near_share() > options_.get<double>("lb.near_share")) {
       plan_.left_out.push_back(
           {fmt::format("near transfer below {:.3g} of a hemisphere", near_share()),
-           fmt::format("with rays.directions {} fewer than {} rays tell of it",
-                       options_.get<int>("rays.directions"), kNearRays)});
+           fmt::format("that is the weight of {} of {} rays in the mean: less is noise", kNearRays,
+                       options_.get<int>("rays.directions"))});
     }
     per_cluster("near", "near", [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = {kSamplesTask, numbered("rays", c)};

@@ -98,12 +98,14 @@ std::shared_ptr<const MatrixF> shared_solution(const TaskReader& reader, std::si
   });
 }
 
-/// That of lights instead of functions, the same for every receiver; `name` tells lights apart.
+/// That of lights instead of functions, the same for every receiver; `name` tells apart what was
+/// made of one set of example lights (input 3).
 std::shared_ptr<const MatrixF> shared_solved_lights(const TaskReader& reader, std::size_t i,
                                                     const MatrixF& lights,
                                                     const std::string& name) {
   return reader.memo().get<MatrixF>(
-      "solution " + reader.input_content(i).hex() + " for " + name,
+      "solution " + reader.input_content(i).hex() + " for " + name + " of " +
+          reader.input_content(3).hex(),
       [&] { return std::make_shared<MatrixF>(*shared_solution(reader, i) * lights); });
 }
 
@@ -177,6 +179,8 @@ Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
     b.middleRows(row, k) = projected[c].cast<double>();
     row += k;
   }
+  reduced.clear();  // as large as half of r
+  projected.clear();
   check_stop(reader);
   const int bounces = task.parameters["bounces"].get<int>();
   // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.

@@ -26,10 +26,12 @@ inline SampleSet box_samples() {
     for (const float side : {0.0F, kBoxSide}) {
       samples.cluster_begin.push_back(static_cast<std::uint32_t>(samples.size()));
       for (int i = 0; i < kBoxGrid * kBoxGrid; ++i) {
+        const int column = i % kBoxGrid;
+        const int row = i / kBoxGrid;
         Vec3f p, n = Vec3f::Zero();
         p[axis] = side;
-        p[(axis + 1) % 3] = (static_cast<float>(i % kBoxGrid) + 0.5F) * step;
-        p[(axis + 2) % 3] = (static_cast<float>(i / kBoxGrid) + 0.5F) * step;
+        p[(axis + 1) % 3] = (static_cast<float>(column) + 0.5F) * step;
+        p[(axis + 2) % 3] = (static_cast<float>(row) + 0.5F) * step;
         n[axis] = side > 0.0F ? -1.0F : 1.0F;
         samples.positions.push_back(p);
         samples.normals.push_back(n);

@@ -69,6 +69,7 @@ TEST_F(Compare, NamesTheWorstLightAndTheWorstCluster) {
     references[2].direct[s] *= 3.0F;
   }
   std::vector<LightErrors> lights;
+  lights.reserve(references.size());
   for (const LightReference& reference : references) lights.push_back(compare(player_, reference));
   const auto report = error_report(lights)["direct"];
   EXPECT_EQ(report["worst_light"]["light"], 2U);
@@ -135,7 +136,7 @@ TEST_F(Compare, TestPointsAreOnTheInsideAndEvenlySpread) {
   }
   // 200 points stratified over six equal walls.
   for (const auto& pair : walls) {
-    for (const int count : pair) EXPECT_NEAR(count, 200 / 6, 3);
+    for (const int count : pair) EXPECT_NEAR(count, 200.0 / 6.0, 3.5);
   }
   float weight = 0.0F;
   for (const float w : reference.at_samples.weights) weight += w;

@@ -198,7 +198,7 @@ TEST(LbPlanner, TakesOneChannelWhereAllIsGrey) {
   EXPECT_EQ(channels_of(box_of({0.5F, 0.4F, 0.3F})), std::set<int>{3});
 }
 
-TEST(Plan, NearTransferIsMoreThanAFewRays) {
+TEST(Plan, NearTransferIsMoreThanSixMeanRays) {
   for (const auto& [directions, share] : {std::pair{2016, 0.003}, {64, 6.0 / 64}}) {
     OptionValues options = tiny_bake();
     options.set("rays.directions", directions);
