@@ -15,9 +15,9 @@ constexpr int kMostDistrust = 3;
 }  // namespace
 
 bool Coordinator::ReadyOrder::operator()(std::size_t a, std::size_t b) const {
-  const TaskSpec& x = (*tasks)[a].spec;
-  const TaskSpec& y = (*tasks)[b].spec;
-  return x.cost != y.cost ? x.cost > y.cost : x.id < y.id;
+  const Task& x = (*tasks)[a];
+  const Task& y = (*tasks)[b];
+  return x.chain != y.chain ? x.chain > y.chain : x.spec.id < y.spec.id;
 }
 
 Coordinator::Coordinator(Settings settings, KnownContents known)
@@ -123,10 +123,12 @@ void Coordinator::on(const TasksAdded& event) {
   for (std::size_t i = first_new; i < tasks_.size(); ++i) {
     if (!link_inputs(i)) return;
   }
-  if (has_cycle(first_new)) {
+  const std::vector<std::size_t> order = in_order(first_new);
+  if (order.size() != tasks_.size() - first_new) {
     fail("the plan has a cycle of tasks that wait for each other; please report this bug");
     return;
   }
+  measure_chains(order);
   for (std::size_t i = first_new; i < tasks_.size(); ++i) release(i);
   last_plan_ = event.last;
   announced_ = false;
@@ -170,7 +172,8 @@ bool Coordinator::link_inputs(std::size_t index) {
   return true;
 }
 
-bool Coordinator::has_cycle(std::size_t first_new) const {
+/// The new tasks, each after its inputs; those of a cycle are missing.
+std::vector<std::size_t> Coordinator::in_order(std::size_t first_new) const {
   // Old tasks never depend on new ones, so only the new ones can close a cycle.
   std::vector<std::size_t> waits(tasks_.size() - first_new, 0);
   std::vector<std::size_t> open;
@@ -178,16 +181,28 @@ bool Coordinator::has_cycle(std::size_t first_new) const {
     for (const std::size_t input : tasks_[i].inputs) waits[i - first_new] += input >= first_new;
     if (waits[i - first_new] == 0) open.push_back(i);
   }
-  std::size_t reached = 0;
+  std::vector<std::size_t> order;
   while (!open.empty()) {
     const std::size_t i = open.back();
     open.pop_back();
-    ++reached;
+    order.push_back(i);
     for (const std::size_t dependent : tasks_[i].dependents) {
       if (--waits[dependent - first_new] == 0) open.push_back(dependent);
     }
   }
-  return reached != waits.size();
+  return order;
+}
+
+/// Of new tasks alone: older ones keep their rank, or lists that are sorted by it would break.
+void Coordinator::measure_chains(const std::vector<std::size_t>& order) {
+  for (auto it = order.rbegin(); it != order.rend(); ++it) {
+    Task& task = tasks_[*it];
+    double after = 0.0;
+    for (const std::size_t dependent : task.dependents) {
+      after = std::max(after, tasks_[dependent].chain);
+    }
+    task.chain = task.spec.cost + after;
+  }
 }
 
 /// Takes a task from whoever has it; it runs (again) once its inputs are there.

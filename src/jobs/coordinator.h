@@ -78,8 +78,9 @@ class Coordinator {
     Digest content;
     WorkerId worker = -1;
     std::size_t place = 0;  ///< in places_
+    double chain = 0.0;     ///< cost of the longest chain that begins with it, as of its plan
   };
-  /// Most expensive first, then by id.
+  /// Longest chain first, then by id.
   struct ReadyOrder {
     const std::vector<Task>* tasks;
     bool operator()(std::size_t a, std::size_t b) const;
@@ -114,7 +115,8 @@ class Coordinator {
   void hear(WorkerId worker);
   bool add_task(const TaskSpec& spec);
   bool link_inputs(std::size_t task);
-  [[nodiscard]] bool has_cycle(std::size_t first_new) const;
+  [[nodiscard]] std::vector<std::size_t> in_order(std::size_t first_new) const;
+  void measure_chains(const std::vector<std::size_t>& order);
   void release(std::size_t task);
   void detach(std::size_t task);
   void make_ready(std::size_t task);

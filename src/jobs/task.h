@@ -21,7 +21,7 @@ struct TaskSpec {
       nlohmann::json::object();     ///< all that the result depends on beside inputs
   std::vector<std::string> inputs;  ///< task ids, in the order the code expects
   unsigned scene_parts = kNoScene;
-  double cost = 1.0;  ///< rough seconds on one core: longest first
+  double cost = 1.0;  ///< rough seconds on one core: who begins the longest chain goes first
   /// Tasks of one place read much in common and run on one rank as long as nobody would wait;
   /// empty: anywhere. No result depends on it, and no KEY.
   std::string place = {};

@@ -43,6 +43,17 @@ TEST(Coordinator, HandsOutTheLongestFirstAndTiesById) {
   EXPECT_THAT(assigned(commands), testing::ElementsAre("long", "a", "b"));
 }
 
+TEST(Coordinator, WhatOthersWaitForGoesFirst) {
+  Checked c;
+  c(WorkerJoined{0, 2});
+  // "long" ends the work, "begin" is followed by 6 + 3 and "other" by 3; the ends come to nobody.
+  const auto commands = c(TasksAdded{
+      {make_task("end", {"middle"}, 3), make_task("long", {}, 7), make_task("middle", {"begin"}, 6),
+       make_task("begin", {}, 1), make_task("other", {}, 2), make_task("last", {"other"}, 6)},
+      true});
+  EXPECT_THAT(assigned(commands), testing::ElementsAre("begin", "other"));
+}
+
 TEST(Coordinator, GivesWorkToTheFreestWorker) {
   Checked c;
   c(WorkerJoined{0, 1});
