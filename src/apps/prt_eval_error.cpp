@@ -65,8 +65,7 @@ class Pictures {
  public:
   Pictures(std::filesystem::path folder, const Evaluator& player) : folder_(std::move(folder)) {
     if (folder_.empty()) return;
-    const auto& own = player.package().scene.camera;
-    camera_ = own ? *own : default_camera(player);
+    camera_ = default_camera(player);
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
     if (error) {
