@@ -201,6 +201,7 @@ void print_table(const json& report) {
              "median", "95th", "noise", "lights", "negative");
   print_row("indirect, samples", report["indirect"]);
   print_row("indirect, surface", report["indirect"]["surface"]);
+  print_row("... of exact direct", report["indirect"]["exact_direct"]);
   print_row("direct, samples", report["direct"]);
   print_row("direct, surface", report["direct"]["surface"]);
   fmt::print("\n");

@@ -124,7 +124,7 @@ TaskSpec evaluate_task(std::size_t lights, const std::vector<std::string>& packa
   TaskSpec spec;
   spec.id = kEvaluate;
   spec.kind = kEvaluate;
-  spec.version = 3;
+  spec.version = 4;
   spec.parameters = {{"references", lights}};
   for (std::size_t k = 0; k < lights; ++k) spec.inputs.push_back(numbered(kReference, k));
   spec.inputs.insert(spec.inputs.end(), package_results.begin(), package_results.end());

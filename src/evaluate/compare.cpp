@@ -75,15 +75,23 @@ void compare_direct(const SampleSet& samples, const SampleIrradiance& played,
       visibility_sums(points, judged.weights, reference.light.position, visibility, seen);
 }
 
-void compare_indirect(const SampleSet& samples, const SampleIrradiance& played,
+/// Indirect light at the test samples: n × 3, a row per sample.
+Judged judge_indirect(const MatrixF& indirect, const LightReference& reference) {
+  return judge(reference.at_samples, &IrradianceEstimate::indirect, [&](std::size_t i) -> Vec3f {
+    return indirect.block<1, 3>(reference.sample_index[i], 0).transpose();
+  });
+}
+
+void compare_indirect(const Evaluator& player, const SampleIrradiance& played,
                       const LightReference& reference, LightErrors& errors) {
-  const Judged judged =
-      judge(reference.at_samples, &IrradianceEstimate::indirect, [&](std::size_t i) -> Vec3f {
-        return played.indirect.block<1, 3>(reference.sample_index[i], 0).transpose();
-      });
+  const Judged judged = judge_indirect(played.indirect, reference);
   errors.indirect = judged.sums();
-  errors.indirect_by_cluster =
-      by_cluster(judged, samples, [&](std::size_t i) { return reference.sample_index[i]; });
+  errors.indirect_by_cluster = by_cluster(judged, player.package().samples,
+                                          [&](std::size_t i) { return reference.sample_index[i]; });
+  const Eigen::Map<const VectorF> exact(reference.direct.data(),
+                                        static_cast<Eigen::Index>(reference.direct.size()));
+  errors.indirect_of_exact =
+      judge_indirect(player.respond(exact.replicate<1, 3>()), reference).sums();
 }
 
 void compare_on_surface(const Evaluator& player, const SampleIrradiance& played,
@@ -144,7 +152,7 @@ nlohmann::json worst_cluster(std::span<const LightErrors> lights,
 
 std::uint64_t LightErrors::not_finite() const {
   return direct.not_finite + indirect.not_finite + direct_surface.not_finite +
-         indirect_surface.not_finite + visibility.not_finite;
+         indirect_surface.not_finite + indirect_of_exact.not_finite + visibility.not_finite;
 }
 
 LightErrors compare(const Evaluator& player, const LightReference& reference) {
@@ -152,7 +160,7 @@ LightErrors compare(const Evaluator& player, const LightReference& reference) {
   errors.position = reference.light.position;
   const SampleIrradiance played = player.evaluate({&reference.light, 1});
   compare_direct(player.package().samples, played, reference, errors);
-  compare_indirect(player.package().samples, played, reference, errors);
+  compare_indirect(player, played, reference, errors);
   compare_on_surface(player, played, reference, errors);
   return errors;
 }
@@ -174,6 +182,7 @@ nlohmann::json error_report(std::span<const LightErrors> lights) {
   report["direct"]["surface"] = judged(&LightErrors::direct_surface);
   report["indirect"] = judged(&LightErrors::indirect);
   report["indirect"]["surface"] = judged(&LightErrors::indirect_surface);
+  report["indirect"]["exact_direct"] = judged(&LightErrors::indirect_of_exact);
   report["direct"]["worst_light"] = worst_light(lights, &LightErrors::direct);
   report["direct"]["worst_cluster"] = worst_cluster(lights, &LightErrors::direct_by_cluster);
   report["indirect"]["worst_light"] = worst_light(lights, &LightErrors::indirect);

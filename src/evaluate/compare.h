@@ -15,6 +15,7 @@ struct LightErrors {
   Vec3f position = Vec3f::Zero();                   ///< of the light, m
   IrradianceSums direct, indirect;                  ///< at samples
   IrradianceSums direct_surface, indirect_surface;  ///< as the player reconstructs
+  IrradianceSums indirect_of_exact;  ///< at samples, were direct light at all samples exact
   std::vector<IrradianceSums> direct_by_cluster, indirect_by_cluster;  ///< at samples, as above
   VisibilitySums visibility;
   double unreached = 0.0;  ///< share of the surface that no splat reaches; counts there as unlit
@@ -25,7 +26,8 @@ struct LightErrors {
 /// package.
 LightErrors compare(const Evaluator& player, const LightReference& reference);
 
-/// Keys direct and indirect (those of to_json(IrradianceError), the same under "surface",
+/// Keys direct and indirect (those of to_json(IrradianceError), the same under "surface" and, for
+/// indirect light of exact direct light, under "exact_direct",
 /// worst_light {light, position, rel_rmse} by its own error and worst_cluster {cluster, rel_rmse,
 /// error_share} by its share of the squared error of all clusters, in [0, 1]; null where there is
 /// no error), visibility_error, visibility_error_soft, visibility_error_weighted, unreached_share,

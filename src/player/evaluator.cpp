@@ -116,18 +116,9 @@ Evaluator::Evaluator(const Package& package, const PlayerSettings& settings)
 
 Evaluator::~Evaluator() = default;
 
-SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
-  SampleIrradiance result;
-  result.lights.assign(lights.begin(), lights.end());
+void Evaluator::run_program(const std::function<MatrixF()>& take, SampleIrradiance& result) const {
   const MatrixF zero = MatrixF::Zero(static_cast<Eigen::Index>(package_.samples.size()), 3);
   std::map<std::string, Value> values;
-  const auto take = [&](const DirectLightStep& step) {
-    MatrixF direct = zero;
-    for (const Light& light : lights) {
-      result.visibility.push_back(tables_->add_light(light, settings_.area_samples, direct));
-    }
-    values[step.output].direct = std::move(direct);
-  };
   const auto apply = [&](const ApplyStep& step) {
     values[step.output] = tables_->apply(tables_->operators.at(step.op), values.at(step.input));
   };
@@ -137,7 +128,8 @@ SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
     values[step.output] = {sum(a.direct, b.direct), sum(a.indirect, b.indirect), a.layout};
   };
   for (const ProgramStep& step : package_.program) {
-    if (const auto* direct = std::get_if<DirectLightStep>(&step)) take(*direct);
+    if (const auto* light = std::get_if<DirectLightStep>(&step))
+      values[light->output] = {take(), {}, {}};
     if (const auto* application = std::get_if<ApplyStep>(&step)) apply(*application);
     if (const auto* addition = std::get_if<AddStep>(&step)) add(*addition);
     if (const auto* reconstruct = std::get_if<ReconstructStep>(&step)) {
@@ -146,7 +138,26 @@ SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
       result.indirect = sum(zero, value.indirect);
     }
   }
+}
+
+SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
+  SampleIrradiance result;
+  result.lights.assign(lights.begin(), lights.end());
+  const auto take = [&] {
+    MatrixF direct = MatrixF::Zero(static_cast<Eigen::Index>(package_.samples.size()), 3);
+    for (const Light& light : lights) {
+      result.visibility.push_back(tables_->add_light(light, settings_.area_samples, direct));
+    }
+    return direct;
+  };
+  run_program(take, result);
   return result;
+}
+
+MatrixF Evaluator::respond(const MatrixF& direct) const {
+  SampleIrradiance result;
+  run_program([&] { return direct; }, result);
+  return result.indirect;
 }
 
 std::vector<float> Evaluator::visibility(const Light& light) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -61,6 +62,10 @@ class Evaluator {
   /// zero.
   [[nodiscard]] SampleIrradiance evaluate(std::span<const Light> lights) const;
 
+  /// What the program makes of direct irradiance that is given instead of played: n × 3 in,
+  /// indirect irradiance n × 3 out, W/m². It tells errors of direct light from those of transfer.
+  [[nodiscard]] MatrixF respond(const MatrixF& direct) const;
+
   /// Share of one light that arrives at each of the n samples, in [0, 1], or kUnlit: the soft test
   /// that visibility_error judges (design: what "error" means), for point lights.
   [[nodiscard]] std::vector<float> visibility(const Light& light) const;
@@ -75,6 +80,8 @@ class Evaluator {
 
  private:
   struct Tables;
+  /// Fills in direct and indirect; `take` gives the irradiance of the program's light step.
+  void run_program(const std::function<MatrixF()>& take, SampleIrradiance& result) const;
 
   const Package& package_;
   PlayerSettings settings_;

@@ -54,6 +54,37 @@ TEST_F(Compare, DirectLightOfAnEmptyBoxIsExactAndIndirectIsMissing) {
   EXPECT_EQ(report["lights"].get<std::size_t>(), 2U);
 }
 
+TEST_F(Compare, ErrorOfTransferIsJudgedUnderExactDirectLight) {
+  // Played shadows are no part of it: with a program that passes direct light on, indirect light is
+  // what the reference says of direct light.
+  Package passing = unshadowed();
+  NearTransfer all;
+  all.channels = 1;
+  all.begin = {0};
+  const auto n = static_cast<std::uint32_t>(passing.samples.size());
+  for (std::uint32_t s = 0; s < n; ++s) {
+    all.senders.push_back(s);
+    all.shares.push_back(pack_share(1.0F));
+    all.begin.push_back(s + 1);
+  }
+  all.albedo.assign(n, pack_share(1.0F));
+  passing.operators.emplace("near", all);
+  passing.spaces.push_back({"near", Space::Kind::kSampleIrradiance, n});
+  passing.spaces.push_back({"all", Space::Kind::kSampleIrradiance, n});
+  passing.program = {DirectLightStep{"direct", DirectLightStep::Shadow::kNone},
+                     ApplyStep{"near", "direct", "near"}, AddStep{"direct", "near", "all"},
+                     ReconstructStep{"all"}};
+  LightReference reference = trace(0, 1);
+  for (std::size_t i = 0; i < reference.sample_index.size(); ++i) {
+    const float exact = 0.5F * reference.direct[reference.sample_index[i]];
+    reference.at_samples.reference[i].indirect = {Vec3f::Constant(exact), Vec3f::Constant(exact)};
+  }
+  for (float& direct : reference.direct) direct *= 0.5F;
+  const auto report = error_report(std::array{compare(Evaluator(passing), reference)});
+  EXPECT_NEAR(report["indirect"]["rel_rmse"].get<double>(), 1.0, 1e-3);
+  EXPECT_NEAR(report["indirect"]["exact_direct"]["rel_rmse"].get<double>(), 0.0, 1e-3);
+}
+
 TEST_F(Compare, SeesAnErrorOfTenPerCent) {
   LightReference reference = trace(0, 1);
   for (float& direct : reference.direct) direct /= 1.1F;

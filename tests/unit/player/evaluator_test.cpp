@@ -66,6 +66,15 @@ TEST(Evaluator, IndirectLightOfAFurnaceIsTheGeometricSeries) {
   }
 }
 
+TEST(Evaluator, RespondsToGivenDirectLightAsToItsOwn) {
+  const Package room = synthetic_room({.albedo = Vec3f(0.2F, 0.5F, 0.8F)});
+  const Evaluator evaluator(room);
+  const SampleIrradiance played = play(evaluator, {point_light({1, 1, 1})});
+  EXPECT_EQ(evaluator.respond(played.direct), played.indirect);
+  EXPECT_TRUE(evaluator.respond(2.0F * played.direct).isApprox(2.0F * played.indirect, kRounding));
+  EXPECT_TRUE(evaluator.respond(MatrixF::Zero(played.direct.rows(), 3)).isZero(0.0F));
+}
+
 TEST(Evaluator, OneGreyChannelServesAllThree) {
   const Package grey = synthetic_room({.channels = 1});
   const Package coloured = synthetic_room({.channels = 3});
