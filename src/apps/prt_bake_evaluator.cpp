@@ -33,12 +33,17 @@ class BakeEvaluator : public BakeErrorMeter {
     if (task.kind != kEvaluateKind) return run_reference(task, reader);
     std::map<std::string, std::size_t> places;
     const std::size_t first = task.parameters.at("references");
-    for (std::size_t i = first; i < task.inputs.size(); ++i) places[task.inputs[i]] = i;
+    for (std::size_t i = first; i < task.inputs.size(); ++i) {
+      places[task.inputs[i].substr(task.inputs[i].find(kLevelEnd) + 1)] = i;
+    }
     const auto result = [&](const std::string& id) -> std::shared_ptr<const Artifact> {
       const auto place = places.find(id);
       return place == places.end() ? nullptr : reader.input(place->second);
     };
-    return run_evaluate(task, reader, method.assemble(result, options));
+    // Those of a level of effort, where there are levels, and not those configured.
+    OptionValues level = options;
+    for (const auto& [key, value] : task.parameters.at("options").items()) level.set(key, value);
+    return run_evaluate(task, reader, method.assemble(result, level));
   }
 
   [[nodiscard]] nlohmann::json error(const Artifact& result) const override {

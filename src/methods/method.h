@@ -88,6 +88,12 @@ class Method {
   [[nodiscard]] virtual std::vector<OptionSpec> options() const = 0;
   /// Pure; called again whenever all tasks of the last plan are done, until it is complete.
   [[nodiscard]] virtual Plan plan(const PlanInputs& inputs) const = 0;
+  /// Levels of effort by which an accuracy is reached; 0: this method knows none.
+  [[nodiscard]] virtual int effort_levels() const { return 0; }
+  /// `options` with those of a level, from 0 to effort_levels() − 1, the coarsest first.
+  [[nodiscard]] virtual OptionValues with_effort(const OptionValues& options, int /*level*/) const {
+    return options;
+  }
   /// Kinds of task that run() knows.
   [[nodiscard]] virtual std::vector<std::string> kinds() const = 0;
   [[nodiscard]] virtual Artifact run(const TaskSpec& task, const TaskReader& reader) const = 0;

@@ -62,7 +62,8 @@ class Results {
   }
 
   void encode() {
-    Package package = facts_.config.method->assemble(result_, facts_.config.options);
+    const auto of_level = [&](const std::string& task) { return result_(plan_.prefix + task); };
+    Package package = facts_.config.method->assemble(of_level, plan_.options);
     package.scene = facts_.scene;
     if (facts_.program.evaluator && !plan_.evaluation_results.empty()) {
       const auto evaluated = result_(plan_.evaluation_results.front());
@@ -81,8 +82,9 @@ class Results {
   void write_folder_index() {
     std::vector<IndexEntry> entries;
     for (const TaskHistory& task : history_.tasks()) {
+      if (!task.task.starts_with(plan_.prefix)) continue;              // of a coarser level
       if (folder_.store().bytes(task.stage, task.key) == 0) continue;  // let go
-      entries.push_back({task.task, task.stage, task.key});
+      entries.push_back({task.task.substr(plan_.prefix.size()), task.stage, task.key});
     }
     write_index(fs_, folder_.path(), entries);
   }
@@ -93,7 +95,7 @@ class Results {
       if (task.made) cpu_seconds += task.cost.cpu_seconds;
     }
     const nlohmann::json error = error_.empty() ? nlohmann::json(nullptr) : error_;
-    const ReportFacts facts{facts_.config,   facts_.scene,   plan_.all, error,       package_name(),
+    const ReportFacts facts{facts_.config,   facts_.scene,   plan_,     error,       package_name(),
                             package_.size(), content_,       seconds(), cpu_seconds, facts_.ranks,
                             facts_.hosts,    facts_.threads, facts_.isa};
     const nlohmann::json report = make_report(facts, with_figures(history_, result_));
@@ -110,7 +112,23 @@ class Results {
            "\n";
   }
 
+  /// A goal that was missed is no failure, and nothing to keep quiet about either.
+  void tell_accuracy() const {
+    if (plan_.accuracy.is_null()) return;
+    const nlohmann::json& last = plan_.accuracy["levels"].back();
+    const std::string reached =
+        fmt::format("indirect {}, visibility {} at level {}", last["indirect"].dump(),
+                    last["visibility"].dump(), last["level"].dump());
+    if (plan_.accuracy["met"].get<bool>()) {
+      log::info("accuracy: goal {} met: {}", plan_.accuracy["goal"].dump(), reached);
+    } else {
+      log::warn("accuracy: goal {} NOT met by the finest level: {}", plan_.accuracy["goal"].dump(),
+                reached);
+    }
+  }
+
   void tell(bool is_new) const {
+    tell_accuracy();
     const std::size_t all = history_.tasks().size();
     if (!is_new) {
       log::info("already done: all {} artifacts are sound and {} is unchanged ({:.1f} s)", all,

@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "apps/bake/accuracy.h"
 #include "apps/bake/bake.h"
 #include "apps/bake/input_cache.h"
 #include "jobs/protocol.h"
@@ -29,6 +30,9 @@ class ResultDistrusted : public std::runtime_error {
 struct BakePlan {
   Plan all;                                     ///< method and evaluation together
   std::vector<std::string> evaluation_results;  ///< of BakeErrorMeter::plan; empty: none
+  OptionValues options;  ///< what the results are made with: as configured, or a level of effort
+  std::string prefix;    ///< of the ids of the tasks that belong to that level
+  nlohmann::json accuracy = nullptr;  ///< {goal, levels, met}; null: none is asked for
 };
 
 class Planner {
@@ -45,6 +49,9 @@ class Planner {
 
  private:
   class Inputs;
+  BakePlan plan_with(const OptionValues& options, const std::string& prefix,
+                     const FindResult& find);
+  BakePlan plan_for(const AccuracyGoal& goal, const FindResult& find);
   const BakeProgram& program_;
   const Method& method_;
   const OptionValues& options_;

@@ -88,9 +88,9 @@ json describe_scene(const BakeConfig& config, const Scene& scene) {
 
 json make_report(const ReportFacts& facts, const History& history) {
   json options = json::object();
-  for (const auto& [key, value] : facts.config.options.all()) options[key] = value;
+  for (const auto& [key, value] : facts.plan.options.all()) options[key] = value;
   json left_out = json::array();
-  for (const LeftOut& l : facts.plan.left_out) {
+  for (const LeftOut& l : facts.plan.all.left_out) {
     left_out.push_back({{"what", l.what}, {"reason", l.reason}});
   }
   return {{"schema_version", 1},
@@ -98,9 +98,10 @@ json make_report(const ReportFacts& facts, const History& history) {
           {"method", facts.config.method->name()},
           {"options", options},
           {"scene", describe_scene(facts.config, facts.scene)},
-          {"stages", describe_stages(facts.plan, history)},
+          {"stages", describe_stages(facts.plan.all, history)},
           {"left_out", left_out},
           {"error", facts.error},
+          {"accuracy", facts.plan.accuracy},
           {"package", facts.package},
           {"package_bytes", facts.package_bytes},
           {"package_content", facts.package_content.hex()},

@@ -8,6 +8,7 @@
 
 #include "apps/bake/cpu_share.h"
 #include "apps/bake/history.h"
+#include "apps/bake/planner.h"
 #include "apps/config/config.h"
 #include "methods/method.h"
 
@@ -17,7 +18,7 @@ namespace prt {
 struct ReportFacts {
   const BakeConfig& config;
   const Scene& scene;
-  const Plan& plan;
+  const BakePlan& plan;
   nlohmann::json error;  ///< measured error of the bake; null: not measured
   std::string package;   ///< file name
   std::uint64_t package_bytes = 0;

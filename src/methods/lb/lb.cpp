@@ -5,6 +5,7 @@
 #include "methods/common/rays.h"
 #include "methods/common/sampling.h"
 #include "methods/lb/assemble.h"
+#include "methods/lb/effort.h"
 #include "methods/lb/plan.h"
 #include "methods/lb/tasks.h"
 
@@ -116,6 +117,11 @@ class LeonhardtBohn : public Method {
   }
 
   [[nodiscard]] Plan plan(const PlanInputs& inputs) const override { return lb::make_plan(inputs); }
+
+  [[nodiscard]] int effort_levels() const override { return lb::effort_levels(); }
+  [[nodiscard]] OptionValues with_effort(const OptionValues& options, int level) const override {
+    return lb::with_effort(options, level);
+  }
 
   [[nodiscard]] std::vector<std::string> kinds() const override {
     std::vector<std::string> kinds;
