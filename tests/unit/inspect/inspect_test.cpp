@@ -206,7 +206,7 @@ TEST_F(InspectTest, DepthPanelsShowCastAndReconstruction) {
   EXPECT_GT(red[0], red[2]);
 }
 
-int count_unlike(const Picture& picture, const std::array<std::uint8_t, 3>& background) {
+int count_unlike(const Drawing& picture, const std::array<std::uint8_t, 3>& background) {
   int count = 0;
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) count += picture.at(x, y) != background;
@@ -216,7 +216,7 @@ int count_unlike(const Picture& picture, const std::array<std::uint8_t, 3>& back
 
 TEST(ClustersImage, ShowsFrontFacesOnlyInsideThePicture) {
   SampleSet samples = floor_samples();
-  const Picture seen = draw_clusters(samples, {}, 160, 120);
+  const Drawing seen = draw_clusters(samples, {}, 160, 120);
   const auto background = seen.at(0, 0);
   // A square seen from above at an angle fills a good part of the picture, and no corner.
   constexpr int kLeastPixels = 160 * 120 / 8;
