@@ -16,7 +16,8 @@ constexpr int kFunctionPanel = 220;  // pixels; a function alone gets four times
 constexpr int kFunctionMargin = 12;
 constexpr int kFunctionTitle = 44;
 constexpr int kLabel = 20;
-constexpr float kFarView = 0.02F;  // tangent of half the field of view: nearly parallel
+const Colour kBehind(0.8F, 0.8F, 0.8F);  // white is zero, and has to show
+constexpr float kFarView = 0.02F;        // tangent of half the field of view: nearly parallel
 
 /// Light functions of one cluster: values(s, k) of function k at its sample s.
 struct Functions {
@@ -59,7 +60,7 @@ Drawing draw_function(const Functions& f, Eigen::Index k, int size) {
   const SplatCamera camera =
       make_splat_camera(f.samples, f.begin, f.end, mean_normal(f), kFarView, fine, fine);
   const float largest = f.values.col(k).cwiseAbs().maxCoeff();
-  SplatCanvas canvas(fine, fine);
+  SplatCanvas canvas(fine, fine, kBehind);
   for (std::uint32_t s = f.begin; s < f.end; ++s) {
     const float value = largest > 0.0F ? f.values(s - f.begin, k) / largest : 0.0F;
     canvas.splat(camera, f.samples.positions[s], f.samples.normals[s], f.samples.radii[s],
@@ -93,10 +94,12 @@ Drawing draw_basis(const BakeReader& bake, int cluster, std::optional<int> index
   const int across = index ? 1 : columns;
   const int rows = (shown + across - 1) / across;
   Drawing drawing(across * (size + kFunctionMargin) + kFunctionMargin,
-                  kFunctionTitle + rows * (size + kLabel + kFunctionMargin) + kFunctionMargin, kSplatBackground);
-  drawing.text(kFunctionMargin, 16, fmt::format("cluster {}: {} samples, {} light functions", cluster,
-                                        f.end - f.begin, count),
-               kInk);
+                  kFunctionTitle + rows * (size + kLabel + kFunctionMargin) + kFunctionMargin,
+                  kSplatBackground);
+  drawing.text(
+      kFunctionMargin, 16,
+      fmt::format("cluster {}: {} samples, {} light functions", cluster, f.end - f.begin, count),
+      kInk);
   for (int i = 0; i < shown; ++i) {
     const int left = kFunctionMargin + i % across * (size + kFunctionMargin);
     const int top = kFunctionTitle + i / across * (size + kLabel + kFunctionMargin);

@@ -103,7 +103,8 @@ std::vector<double> visibility_sizes(const Artifact& visibility) {
   if (coefficients.cols() != basis.rows()) {
     throw UnsoundData("visibility: coefficients and basis do not fit together");
   }
-  const double entries = static_cast<double>(coefficients.rows()) * static_cast<double>(basis.cols());
+  const double entries =
+      static_cast<double>(coefficients.rows()) * static_cast<double>(basis.cols());
   std::vector<double> sizes;
   for (Eigen::Index k = 0; k < basis.rows(); ++k) {
     sizes.push_back(double(coefficients.col(k).norm()) * double(basis.row(k).norm()) /

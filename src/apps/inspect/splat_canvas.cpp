@@ -33,7 +33,8 @@ SplatCamera make_splat_camera(const SampleSet& samples, std::uint32_t begin, std
   SplatCamera camera;
   const Vec3f across = Vec3f::UnitY().cross(towards);
   const Vec3f right = across.norm() > 1e-3F ? Vec3f(across.normalized()) : Vec3f::UnitX();
-  camera.axes << right.transpose(), towards.cross(right).normalized().transpose(), towards.transpose();
+  camera.axes << right.transpose(), towards.cross(right).normalized().transpose(),
+      towards.transpose();
   camera.focal = 0.5F * static_cast<float>(height) / half_view;
   camera.centre_x = 0.5F * static_cast<float>(width);
   camera.centre_y = 0.5F * static_cast<float>(height);

@@ -33,18 +33,18 @@ struct SplatCamera {
 };
 
 /// A camera that looks along -towards (unit) and sees samples [begin, end) as large as fits in
-/// width × height pixels. `half_view`: tangent of half the vertical field of view; a small one looks
-/// from afar. Throws UserError if there is no sample or one is not finite.
+/// width × height pixels. `half_view`: tangent of half the vertical field of view; a small one
+/// looks from afar. Throws UserError if there is no sample or one is not finite.
 SplatCamera make_splat_camera(const SampleSet& samples, std::uint32_t begin, std::uint32_t end,
                               const Vec3f& towards, float half_view, int width, int height);
 
 /// Colours with depths; nearer wins.
 class SplatCanvas {
  public:
-  SplatCanvas(int width, int height)
+  SplatCanvas(int width, int height, const Colour& background = kSplatBackground)
       : width_(width),
         height_(height),
-        colours_(std::size_t(width) * std::size_t(height), kSplatBackground),
+        colours_(std::size_t(width) * std::size_t(height), background),
         depths_(colours_.size(), kInfinity) {}
 
   /// A disk of radius (m) about a sample.

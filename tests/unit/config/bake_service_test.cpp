@@ -96,7 +96,7 @@ TEST(Report, PageEscapesAndShowsEverything) {
       {"left_out", {{{"what", "two channels"}, {"reason", "grey"}}}},
       {"this_run", {{"ranks", 2}}},
       {"options", {{"seed", 1}}}};
-  const std::string page = report_page(report);
+  const std::string page = report_page(report, {}, nullptr);
   EXPECT_THAT(page, HasSubstr("&lt;a&gt;.prt.glb"));
   EXPECT_THAT(page, HasSubstr("a &amp; b.glb"));
   EXPECT_THAT(page, HasSubstr("indirect.rel_rmse"));
