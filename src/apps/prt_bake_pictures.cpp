@@ -66,8 +66,7 @@ DrawReportPictures make_report_pictures() {
     const SampleSet& samples = package.samples;
     std::vector<ReportPicture> pictures = {relit(package)};
     pictures.push_back(
-        {"Clusters",
-         fmt::format("{} samples in {} clusters", samples.size(), samples.clusters()),
+        {"Clusters", fmt::format("{} samples in {} clusters", samples.size(), samples.clusters()),
          jpeg_of(draw_clusters(samples, {}, kWidth, kHeight)), "", ""});
     if (const auto functions = result("light_functions")) {
       pictures.push_back(false_colour(samples, light_function_counts(*functions), "Ranks"));

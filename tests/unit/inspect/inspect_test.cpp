@@ -229,6 +229,18 @@ TEST(ClustersImage, ShowsFrontFacesOnlyInsideThePicture) {
   EXPECT_EQ(count_unlike(draw_clusters(samples, {}, 160, 120), background), 0);
 }
 
+TEST(ValuesImage, UnlikeValuesHaveUnlikeColours) {
+  const SampleSet samples = floor_samples();
+  const auto middle_columns = [&](const std::vector<double>& values) {
+    const Drawing d = draw_values(samples, make_cluster_values("x", values, false), 160, 120);
+    std::set<std::array<std::uint8_t, 3>> colours;
+    for (int x = 0; x < d.width(); ++x) colours.insert(d.at(x, d.height() / 2));
+    return colours.size();
+  };
+  EXPECT_GT(middle_columns({1.0, 3.0}), middle_columns({2.0, 2.0}) + 2);
+  EXPECT_THROW(draw_values(samples, make_cluster_values("x", {1.0}, false)), UnsoundData);
+}
+
 TEST(ClustersImage, RefusesWhatCannotBeDrawn) {
   SampleSet samples;
   samples.cluster_begin = {0};
@@ -255,6 +267,7 @@ TEST(InspectCommandLine, TakesTheContractAndRefusesTheRest) {
       {"dir", "--imagine"},
       {"dir", "--image", "walls", "-o", "x.png"},
       {"dir", "--image", "depth"},
+      {"dir", "--image", "curves", "-o", "x.png"},
       {"dir", "--image", "depth", "--cluster", "-1", "-o", "x.png"},
       {"dir", "--image", "clusters", "--index", "1", "-o", "x.png"},
       {"dir", "--image", "clusters", "--verify", "-o", "x.png"},
