@@ -128,7 +128,7 @@ std::string light_strip(const json& of_light) {
     for (const auto& [value, light] : lights) {
       const double most = std::max(lights[0].first, 1e-12);
       out += fmt::format("<tr><th>{}</th><td class=fill>{}</td><td>{}</td></tr>\n", light,
-                         bar(value / most, "error"), percent(value));
+                         bar(value / most, "error"), value > 0.0 ? percent(value) : "below noise");
     }
     out += "</table>\n";
   }
@@ -226,7 +226,7 @@ constexpr const char* kStyle = R"(
 h1{font-size:1.6em;margin:.4em 0 0;overflow-wrap:anywhere}h2{font-size:1.2em;margin:2em 0 .5em;border-bottom:1px solid var(--line)}h3{font-size:1em;margin:1.2em 0 .3em}
 .sub,small,figcaption{color:var(--soft);overflow-wrap:anywhere}.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(11em,1fr));gap:.7em;margin:1em 0}
 .card{background:var(--card);border-radius:8px;padding:.7em .9em}.card b{display:block;font-size:1.5em}.card span,.card small{display:block}
-.gallery{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(22em,100%),1fr));gap:1em}figure{margin:0}img{width:100%;height:auto;border-radius:8px;display:block}figcaption b{color:var(--ink)}
+.gallery{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(28em,100%),1fr));gap:1em}figure{margin:0}img{width:100%;height:auto;border-radius:8px;display:block}figcaption b{color:var(--ink)}
 .scale{display:flex;gap:.5em;align-items:center}.scale i{flex:1;height:.7em;border-radius:3px;background:linear-gradient(90deg,#440154,#414487,#2a788e,#22a884,#7ad151,#fde725)}
 .wide{overflow-x:auto}table{border-collapse:collapse}td,th{padding:.25em .7em;border-bottom:1px solid var(--line);text-align:right;font-variant-numeric:tabular-nums;vertical-align:top}
 th{font-weight:600}th:first-child,td:first-child,.left,.facts td{text-align:left}.facts td{overflow-wrap:anywhere}
