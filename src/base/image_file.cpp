@@ -29,13 +29,26 @@ void append(void* out, void* data, int size) {
                                          static_cast<std::size_t>(size));
 }
 
-}  // namespace
-
-void write_png(const std::filesystem::path& path, int width, int height,
-               std::span<const std::uint8_t> rgb) {
+void check_size(int width, int height, std::span<const std::uint8_t> rgb) {
   if (width <= 0 || height <= 0 || rgb.size() != 3 * std::size_t(width) * std::size_t(height)) {
     throw std::logic_error("picture: size and number of pixels differ");
   }
+}
+
+}  // namespace
+
+std::string encode_jpeg(int width, int height, std::span<const std::uint8_t> rgb, int quality) {
+  check_size(width, height, rgb);
+  std::string jpeg;
+  if (stbi_write_jpg_to_func(append, &jpeg, width, height, 3, rgb.data(), quality) == 0) {
+    throw std::runtime_error("the JPEG encoder failed");
+  }
+  return jpeg;
+}
+
+void write_png(const std::filesystem::path& path, int width, int height,
+               std::span<const std::uint8_t> rgb) {
+  check_size(width, height, rgb);
   std::string png;
   if (stbi_write_png_to_func(append, &png, width, height, 3, rgb.data(), 3 * width) == 0) {
     throw std::runtime_error(path.string() + ": the PNG encoder failed");

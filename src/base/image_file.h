@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 
 namespace prt {
 
@@ -12,5 +13,8 @@ namespace prt {
 /// std::logic_error if not, UserError naming the path if the file cannot be written.
 void write_png(const std::filesystem::path& path, int width, int height,
                std::span<const std::uint8_t> rgb);
+
+/// The same pixels as the bytes of a JPEG file; `quality` in [1, 100].
+std::string encode_jpeg(int width, int height, std::span<const std::uint8_t> rgb, int quality);
 
 }  // namespace prt

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/bake/evaluator.h"
+#include "apps/bake/report_pictures.h"
 #include "methods/method.h"
 #include "scene/scene.h"
 #include "store/file_system.h"
@@ -28,6 +29,8 @@ struct BakeProgram {
   std::function<std::vector<std::byte>(const Package&)> encode_package;
   /// Where the bake's folder lies.
   std::shared_ptr<FileSystem> file_system = std::make_shared<PosixFileSystem>();
+  /// Pictures for report.html; null: it has none.
+  DrawReportPictures draw_pictures = nullptr;
 };
 
 /// The whole program; the result is its exit code.

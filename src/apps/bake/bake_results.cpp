@@ -14,6 +14,7 @@ namespace {
 
 constexpr const char* kReportName = "report.json";
 constexpr const char* kPageName = "report.html";
+constexpr const char* kBudgetName = "budget.json";
 
 std::span<const std::byte> bytes_of(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
@@ -27,6 +28,19 @@ History with_figures(const History& history, const ReadResult& result) {
     return artifact ? figures_of(*artifact) : nlohmann::json::object();
   });
   return full;
+}
+
+/// {direct, indirect}: relative error at samples under each test light; null where it is not there.
+nlohmann::json errors_of_lights(const Artifact& evaluated) {
+  constexpr const char* kArray = "rel_rmse_of_light";
+  if (!evaluated.has(kArray)) return nullptr;
+  const auto values = evaluated.values<float>(kArray);
+  nlohmann::json direct = nlohmann::json::array(), indirect = nlohmann::json::array();
+  for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
+    direct.push_back(values[i]);
+    indirect.push_back(values[i + 1]);
+  }
+  return {{"direct", direct}, {"indirect", indirect}};
 }
 
 class Results {
@@ -67,10 +81,14 @@ class Results {
     package.scene = facts_.scene;
     if (facts_.program.evaluator && !plan_.evaluation_results.empty()) {
       const auto evaluated = result_(plan_.evaluation_results.front());
-      if (evaluated) package.error = facts_.program.evaluator->error(*evaluated);
+      if (evaluated) {
+        package.error = facts_.program.evaluator->error(*evaluated);
+        error_of_light_ = errors_of_lights(*evaluated);
+      }
     }
     error_ = package.error;
     package_ = facts_.program.encode_package(package);
+    assembled_ = std::move(package);
     content_ = hash_bytes(package_);
   }
 
@@ -98,10 +116,36 @@ class Results {
     const ReportFacts facts{facts_.config,   facts_.scene,   plan_,     error,       package_name(),
                             package_.size(), content_,       seconds(), cpu_seconds, facts_.ranks,
                             facts_.hosts,    facts_.threads, facts_.isa};
-    const nlohmann::json report = make_report(facts, with_figures(history_, result_));
+    const History history = with_figures(history_, result_);
+    nlohmann::json report = make_report(facts, history);
+    report["error_of_light"] = error_of_light_;
     constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
     replace_file(fs_, file(kReportName), bytes_of(report.dump(2, ' ', false, kReplace) + "\n"));
-    replace_file(fs_, file(kPageName), bytes_of(report_page(report)));
+    replace_file(fs_, file(kPageName), bytes_of(report_page(report, pictures(history), budget())));
+  }
+
+  /// The page is worth having without them.
+  [[nodiscard]] std::vector<ReportPicture> pictures(const History& history) const {
+    if (!facts_.program.draw_pictures) return {};
+    try {
+      return facts_.program.draw_pictures(assembled_, result_, history.tasks());
+    } catch (const std::exception& e) {
+      log::warn("{} has no pictures: {}", kPageName, e.what());
+      return {};
+    }
+  }
+
+  /// What finer settings would bring, if somebody measured it; null if not.
+  [[nodiscard]] nlohmann::json budget() const {
+    if (!fs_.size(file(kBudgetName))) return nullptr;
+    const auto bytes = fs_.read(file(kBudgetName));
+    const auto* begin = reinterpret_cast<const char*>(bytes.data());
+    nlohmann::json budget = nlohmann::json::parse(begin, begin + bytes.size(), nullptr, false);
+    const bool sound = budget.is_object() && budget.contains("rows") && budget["rows"].is_array();
+    if (sound) return budget;
+    log::warn("{}: no error budget can be read from it; {} goes without",
+              file(kBudgetName).string(), kPageName);
+    return nullptr;
   }
 
   [[nodiscard]] std::string marker() const {
@@ -149,7 +193,9 @@ class Results {
   FileSystem& fs_;
   std::vector<std::byte> package_;
   Digest content_;
+  Package assembled_;
   nlohmann::json error_ = nlohmann::json::object();
+  nlohmann::json error_of_light_;  // null: not measured
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "apps/bake/cpu_share.h"
 #include "apps/bake/history.h"
 #include "apps/bake/planner.h"
+#include "apps/bake/report_pictures.h"
 #include "apps/config/config.h"
 #include "methods/method.h"
 
@@ -33,7 +34,9 @@ struct ReportFacts {
 
 nlohmann::json make_report(const ReportFacts& facts, const History& history);
 
-/// A self-contained page that shows the same.
-std::string report_page(const nlohmann::json& report);
+/// A self-contained page that shows the same, with pictures, and with `budget` (rows of what finer
+/// settings bring, budget.json) where it is an object.
+std::string report_page(const nlohmann::json& report, const std::vector<ReportPicture>& pictures,
+                        const nlohmann::json& budget);
 
 }  // namespace prt

@@ -27,9 +27,13 @@ void check_combination(const CLI::App& app, const InspectCommand& command) {
   }
   if (command.output.empty()) refuse("--image needs -o FILE.png");
   if (command.verify || command.json) refuse("--image goes neither with --verify nor with --json");
-  if (command.image == "depth") return;
+  if (command.image == "curves" && command.output.extension() != ".svg") {
+    refuse("--image curves draws SVG: it needs -o FILE.svg");
+  }
+  if (command.image == "depth" || command.image == "basis") return;
   for (const char* option : {"--cluster", "--index"}) {
-    if (app.count(option) > 0) refuse(std::string(option) + " goes with --image depth only");
+    if (app.count(option) > 0)
+      refuse(std::string(option) + " goes with --image depth and basis only");
   }
 }
 
@@ -46,17 +50,21 @@ std::optional<InspectCommand> parse_inspect_command(int argc, const char* const*
   app.add_flag("--json", command.json, "tables as JSON");
   app.add_option(
          "--image", command.image,
-         "draw a picture: clusters (samples coloured by cluster) or depth (a sample's depth "
-         "buffer beside its reconstruction)")
-      ->check(CLI::IsMember({"clusters", "depth"}))
+         "draw a picture: clusters (samples coloured by cluster), rank (light functions per "
+         "cluster), "
+         "error (of each cluster's transfer), depth (a sample's depth buffer beside its "
+         "reconstruction), basis (a cluster's light functions) or curves (what hangs on each basis "
+         "function, by cluster; SVG)")
+      ->check(CLI::IsMember({"clusters", "rank", "error", "depth", "basis", "curves"}))
       ->type_name("KIND");
-  app.add_option("--cluster", command.cluster, "cluster of the sample")
+  app.add_option("--cluster", command.cluster, "cluster that depth and basis show")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
-  app.add_option("--index", command.index, "sample within the cluster")
+  app.add_option("--index", command.index,
+                 "depth: sample within the cluster; basis: this function alone")
       ->check(CLI::NonNegativeNumber)
       ->type_name("K");
-  app.add_option("-o,--output", command.output, "picture to write")->type_name("FILE.png");
+  app.add_option("-o,--output", command.output, "picture to write")->type_name("FILE");
   app.footer(
       "Exit codes: 0 done, 2 bad command line or no bake, 4 verification failed, 1 anything else.");
   if (!parse_arguments(app, argc, argv, message)) return std::nullopt;

@@ -12,9 +12,9 @@ struct InspectCommand {
   bool verify = false;
   bool watch = false;
   bool json = false;
-  std::string image;  ///< "clusters", "depth"; empty: none
+  std::string image;  ///< a name of --image; empty: none
   int cluster = 0;
-  int index = 0;  ///< sample within the cluster
+  std::optional<int> index;  ///< sample (depth, default 0) or function (basis, default all)
   std::filesystem::path output;
 };
 

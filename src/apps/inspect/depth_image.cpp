@@ -18,7 +18,6 @@ constexpr int kMargin = 24;
 constexpr int kTitle = 56;
 constexpr int kScaleHeight = 90;
 const Colour kPaper = Colour::Ones();
-const Colour kInk(0.1F, 0.1F, 0.1F);
 
 /// One sample's encoded depths (z = √(t / bound), by direction).
 struct Depths {
@@ -62,7 +61,7 @@ Depths read_depths(const BakeReader& bake, int cluster, int index) {
 
 /// Draws a function of direction twice: unfolded, and as an equal-area disk about the normal.
 template <typename ColourOf>
-void draw_panel(Picture& picture, int left, const HemisphereDirections& directions,
+void draw_panel(Drawing& picture, int left, const HemisphereDirections& directions,
                 const ColourOf& colour_of) {
   for (int y = 0; y < kPanel; ++y) {
     for (int x = 0; x < kPanel; ++x) {
@@ -83,7 +82,7 @@ void draw_panel(Picture& picture, int left, const HemisphereDirections& directio
 
 /// A bar from t = 0 to 1 with labels under its ends and middle.
 template <typename ColourOf>
-void draw_scale(Picture& picture, int left, int width, const ColourOf& colour_of,
+void draw_scale(Drawing& picture, int left, int width, const ColourOf& colour_of,
                 const std::array<std::string, 3>& labels) {
   const int top = kTitle + 2 * (kPanel + kMargin);
   for (int x = 0; x < width; ++x) {
@@ -100,7 +99,7 @@ void draw_scale(Picture& picture, int left, int width, const ColourOf& colour_of
 
 }  // namespace
 
-Picture draw_depth(const BakeReader& bake, int cluster, int index) {
+Drawing draw_depth(const BakeReader& bake, int cluster, int index) {
   const Depths depths = read_depths(bake, cluster, index);
   const HemisphereDirections directions(static_cast<int>(depths.cast.size()));
   const VectorF difference = depths.reconstructed - depths.cast;
@@ -108,7 +107,7 @@ Picture draw_depth(const BakeReader& bake, int cluster, int index) {
   const double rms =
       std::sqrt(difference.cast<double>().squaredNorm() / static_cast<double>(difference.size()));
   const int step = kPanel + kMargin;
-  Picture picture(3 * step + kMargin, kTitle + 2 * step + kScaleHeight, kPaper);
+  Drawing picture(3 * step + kMargin, kTitle + 2 * step + kScaleHeight, kPaper);
   const auto title = [&](int panel, const std::string& text) {
     picture.text(kMargin + panel * step, 18, text, kInk);
   };

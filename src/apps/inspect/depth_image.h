@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/inspect/bake_reader.h"
-#include "apps/inspect/picture.h"
+#include "apps/inspect/drawing.h"
 
 namespace prt {
 
@@ -10,6 +10,6 @@ namespace prt {
 /// difference: above unfolded on the grid of directions, below as a disk seen along the normal,
 /// with labelled scales. Throws UserError if there is no such cluster or sample, UnsoundData if the
 /// artifacts do not fit together.
-Picture draw_depth(const BakeReader& bake, int cluster, int index);
+Drawing draw_depth(const BakeReader& bake, int cluster, int index);
 
 }  // namespace prt

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "apps/bake/agreement.h"
 #include "apps/bake/command_line.h"
 #include "apps/bake/cpu_share.h"
@@ -9,6 +11,7 @@
 #include "apps/bake/progress.h"
 #include "apps/bake/report.h"
 #include "base/error.h"
+#include "base/image_file.h"
 
 namespace prt {
 namespace {
@@ -96,7 +99,17 @@ TEST(Report, PageEscapesAndShowsEverything) {
       {"left_out", {{{"what", "two channels"}, {"reason", "grey"}}}},
       {"this_run", {{"ranks", 2}}},
       {"options", {{"seed", 1}}}};
-  const std::string page = report_page(report);
+  const std::vector<std::uint8_t> grey(3 * 16 * 16, 128);
+  const ReportPicture picture{"<room>", "lit", encode_jpeg(16, 16, grey, 85), "1 %", "2 %"};
+  const nlohmann::json budget = {
+      {"base", {{"indirect", 0.04}}},
+      {"rows", {{{"what", "<density>"}, {"indirect_finer", 0.03}, {"indirect_share", -0.4}}, 7}}};
+  const std::string page = report_page(report, {picture}, budget);
+  // What report_page_in_browser loads.
+  std::ofstream(std::string(PRT_BINARY_DIR) + "/report_page_test.html") << page;
+  EXPECT_THAT(page, HasSubstr("&lt;room&gt;"));
+  EXPECT_THAT(page, HasSubstr("&lt;density&gt;"));
+  EXPECT_THAT(page, HasSubstr("-40.00"));
   EXPECT_THAT(page, HasSubstr("&lt;a&gt;.prt.glb"));
   EXPECT_THAT(page, HasSubstr("a &amp; b.glb"));
   EXPECT_THAT(page, HasSubstr("indirect.rel_rmse"));

@@ -206,7 +206,7 @@ TEST_F(InspectTest, DepthPanelsShowCastAndReconstruction) {
   EXPECT_GT(red[0], red[2]);
 }
 
-int count_unlike(const Picture& picture, const std::array<std::uint8_t, 3>& background) {
+int count_unlike(const Drawing& picture, const std::array<std::uint8_t, 3>& background) {
   int count = 0;
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) count += picture.at(x, y) != background;
@@ -216,7 +216,7 @@ int count_unlike(const Picture& picture, const std::array<std::uint8_t, 3>& back
 
 TEST(ClustersImage, ShowsFrontFacesOnlyInsideThePicture) {
   SampleSet samples = floor_samples();
-  const Picture seen = draw_clusters(samples, {}, 160, 120);
+  const Drawing seen = draw_clusters(samples, {}, 160, 120);
   const auto background = seen.at(0, 0);
   // A square seen from above at an angle fills a good part of the picture, and no corner.
   constexpr int kLeastPixels = 160 * 120 / 8;
@@ -227,6 +227,18 @@ TEST(ClustersImage, ShowsFrontFacesOnlyInsideThePicture) {
             count_unlike(seen, {255, 255, 255}));
   for (Vec3f& n : samples.normals) n = -Vec3f::UnitY();
   EXPECT_EQ(count_unlike(draw_clusters(samples, {}, 160, 120), background), 0);
+}
+
+TEST(ValuesImage, UnlikeValuesHaveUnlikeColours) {
+  const SampleSet samples = floor_samples();
+  const auto middle_columns = [&](const std::vector<double>& values) {
+    const Drawing d = draw_values(samples, make_cluster_values("x", values, false), 160, 120);
+    std::set<std::array<std::uint8_t, 3>> colours;
+    for (int x = 0; x < d.width(); ++x) colours.insert(d.at(x, d.height() / 2));
+    return colours.size();
+  };
+  EXPECT_GT(middle_columns({1.0, 3.0}), middle_columns({2.0, 2.0}) + 2);
+  EXPECT_THROW(draw_values(samples, make_cluster_values("x", {1.0}, false)), UnsoundData);
 }
 
 TEST(ClustersImage, RefusesWhatCannotBeDrawn) {
@@ -255,6 +267,7 @@ TEST(InspectCommandLine, TakesTheContractAndRefusesTheRest) {
       {"dir", "--imagine"},
       {"dir", "--image", "walls", "-o", "x.png"},
       {"dir", "--image", "depth"},
+      {"dir", "--image", "curves", "-o", "x.png"},
       {"dir", "--image", "depth", "--cluster", "-1", "-o", "x.png"},
       {"dir", "--image", "clusters", "--index", "1", "-o", "x.png"},
       {"dir", "--image", "clusters", "--verify", "-o", "x.png"},

@@ -1,4 +1,4 @@
-#include "apps/inspect/picture.h"
+#include "apps/inspect/drawing.h"
 
 #include <stb/stb_easy_font.h>
 
@@ -19,17 +19,17 @@ struct Corner {
 
 }  // namespace
 
-Picture::Picture(int width, int height, const Colour& background)
+Drawing::Drawing(int width, int height, const Colour& background)
     : width_(width), height_(height), rgb_(3 * std::size_t(width) * std::size_t(height)) {
   fill(0, 0, width, height, background);
 }
 
-std::array<std::uint8_t, 3> Picture::at(int x, int y) const {
+std::array<std::uint8_t, 3> Drawing::at(int x, int y) const {
   const std::size_t i = 3 * (std::size_t(y) * std::size_t(width_) + std::size_t(x));
   return {rgb_[i], rgb_[i + 1], rgb_[i + 2]};
 }
 
-void Picture::set(int x, int y, const Colour& colour) {
+void Drawing::set(int x, int y, const Colour& colour) {
   if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
   const std::size_t i = 3 * (std::size_t(y) * std::size_t(width_) + std::size_t(x));
   for (int c = 0; c < 3; ++c) {
@@ -38,13 +38,13 @@ void Picture::set(int x, int y, const Colour& colour) {
   }
 }
 
-void Picture::fill(int x, int y, int width, int height, const Colour& colour) {
+void Drawing::fill(int x, int y, int width, int height, const Colour& colour) {
   for (int j = y; j < y + height; ++j) {
     for (int i = x; i < x + width; ++i) set(i, j, colour);
   }
 }
 
-void Picture::text(int x, int y, const std::string& text, const Colour& colour, int scale) {
+void Drawing::text(int x, int y, const std::string& text, const Colour& colour, int scale) {
   std::vector<Corner> corners(64 * text.size() + 64);  // about 17 a letter are used
   std::string copy = text;                             // the font's interface is not const
   const int quads = stb_easy_font_print(0, 0, copy.data(), nullptr, corners.data(),

@@ -1,4 +1,4 @@
-// A small RGB picture to draw into.
+// A small RGB picture to draw into. (The player has a Picture of its own.)
 #pragma once
 
 #include <array>
@@ -14,9 +14,11 @@ namespace prt {
 /// Red, green, blue in [0, 1], as shown (no tone mapping).
 using Colour = Vec3f;
 
-class Picture {
+inline const Colour kInk(0.1F, 0.1F, 0.1F);
+
+class Drawing {
  public:
-  Picture(int width, int height, const Colour& background);
+  Drawing(int width, int height, const Colour& background);
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
