@@ -2,6 +2,7 @@
 """Makes the scenes under configs/scenes. Needs Debian's python3-numpy.
 
     scripts/make_scenes.py            writes all of them
+    scripts/make_scenes.py --out DIR --triangles 2000000 large_room
     scripts/make_scenes.py --check    fails unless the files are what this script makes
 """
 
@@ -9,29 +10,37 @@ import argparse
 import pathlib
 import sys
 
-from scenes.cornell import closed_box, cornell, textured_room
+from scenes.cornell import closed_box, cornell, large_room, textured_room
 from scenes.gallery import gallery
 
 SCENES = {"cornell": cornell, "gallery": gallery, "closed_box": closed_box,
           "textured_room": textured_room}
+# Too large for a repository: made only by name.
+LARGE = {"large_room": large_room}
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "configs" / "scenes"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="*", metavar="SCENE", help=", ".join(SCENES))
+    parser.add_argument("names", nargs="*", metavar="SCENE", help=", ".join(SCENES | LARGE))
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
     parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder to write to")
     parser.add_argument("--albedo", type=float, default=0.5, help="of closed_box")
+    parser.add_argument("--triangles", type=int, default=1_000_000, help="of large_room")
     arguments = parser.parse_args()
-    unknown = sorted(set(arguments.names) - set(SCENES))
+    unknown = sorted(set(arguments.names) - set(SCENES | LARGE))
     if unknown:
-        parser.error(f"no scene {unknown[0]}: there are {', '.join(SCENES)}")
+        parser.error(f"no scene {unknown[0]}: there are {', '.join(SCENES | LARGE)}")
 
     wrong = []
     for name in arguments.names or SCENES:
-        glb = closed_box(arguments.albedo) if name == "closed_box" else SCENES[name]()
+        if name == "closed_box":
+            glb = closed_box(arguments.albedo)
+        elif name in LARGE:
+            glb = LARGE[name](arguments.triangles)
+        else:
+            glb = SCENES[name]()
         data, path = glb.bytes(), arguments.out / f"{name}.glb"
         if arguments.check:
             if not path.is_file() or path.read_bytes() != data:

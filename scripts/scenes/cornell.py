@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from scenes.glb import Glb
-from scenes.shapes import box, join, quad
+from scenes.shapes import box, join, quad, sphere
 
 MILLIMETRES_TO_BOX_METRES = 0.01  # published numbers are millimetres; the box becomes 5.5 m wide
 WIDTH = 556.0
@@ -73,6 +73,18 @@ def closed_box(albedo=0.5):
                                            glb.material("grey", (albedo,) * 3))]))
     glb.camera("camera", (0.0, 0.0, 0.6), (0.0, 0.0, -1.0), math.radians(60), 1.0)
     glb.point_light("lamp", (0.2, 0.3, 0.1), (5.0, 5.0, 5.0))
+    return glb
+
+
+def large_room(triangles=1_000_000):
+    """Closed room of side 4 m in which a sphere of about that many triangles stands."""
+    glb = Glb("large room")
+    rings = max(3, round(math.sqrt(triangles / 4)))
+    ball = sphere(0.8, 2 * rings, rings).dropped_slivers()
+    parts = [(box((-2, -2, -2), (2, 2, 2)).flipped(), glb.material("grey", (0.5,) * 3)),
+             (ball, glb.material("red", (0.6, 0.2, 0.1)))]
+    glb.node("room", mesh=glb.mesh("room", parts))
+    glb.camera("camera", (0.0, 0.5, 1.8), (0.0, 0.0, -1.0), math.radians(60), 1.0)
     return glb
 
 

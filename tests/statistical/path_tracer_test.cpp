@@ -5,12 +5,14 @@
 
 #include "base/random.h"
 #include "scene/embree/embree_ray_caster.h"
+#include "statistical/closed_forms.h"
 #include "statistical/test_scenes.h"
 #include "statistical/z_test.h"
 
 namespace prt {
 namespace {
 
+using test::kPiD;
 using test::ZFamily;
 
 /// Independent replicates of every estimate: their spread is then known to 1 %, and the estimates
@@ -64,11 +66,9 @@ Replicates area_mean(const Scene& scene, const Light& light, const PathTracerSet
   return result;
 }
 
-/// The same point again and again with independent random numbers.
-Replicates at_point(const Scene& scene, const Light& light, const ReceiverPoint& point,
-                    const PathTracerSettings& settings) {
+Replicates at_points(const Scene& scene, const Light& light,
+                     const std::vector<ReceiverPoint>& points, const PathTracerSettings& settings) {
   const auto caster = make_embree_ray_caster(scene);
-  const std::vector<ReceiverPoint> points(kReplicates, point);
   const auto estimates = trace_irradiance(scene, *caster, {&light, 1}, points, settings, kSeed);
   Replicates result;
   for (const auto& e : estimates) {
@@ -78,20 +78,24 @@ Replicates at_point(const Scene& scene, const Light& light, const ReceiverPoint&
   return result;
 }
 
+/// The same point again and again with independent random numbers.
+Replicates at_point(const Scene& scene, const Light& light, const ReceiverPoint& point,
+                    const PathTracerSettings& settings) {
+  return at_points(scene, light, std::vector<ReceiverPoint>(kReplicates, point), settings);
+}
+
 Light white_point(const Vec3f& position) {
   Light light;
   light.position = position;
   return light;
 }
 
-constexpr double kPiD = 3.14159265358979323846;
-
 // In any closed space of uniform albedo rho with a point light I inside, light is conserved: all of
 // 4 pi I arrives, and each bounce brings rho times the last. So the area means are exactly 4 pi I /
 // A and rho / (1 - rho) times that, for the mesh as it is: no correction for its facets.
 TEST(PathTracer, ClosedSphereConservesEnergy) {
   ZFamily family;
-  for (const float rho : {0.0F, 0.5F, 0.9F}) {
+  for (const float rho : {0.0F, 0.5F, 0.9F, 0.99F}) {
     Scene scene;
     test::add_icosphere(scene, 3, test::add_material(scene, Vec3f::Constant(rho)));
     for (auto& t : scene.triangles) std::swap(t.vertex[1], t.vertex[2]);  // front sides inwards
@@ -204,14 +208,6 @@ TEST(PathTracer, SurfacesHideTheLight) {
   }
 }
 
-/// Form factor from a point to a parallel rectangle of full sides w, l, centred at distance h
-/// (Howell, catalogue of view factors, B-3, four quarters).
-double parallel_rectangle(double w, double l, double h) {
-  const double a = 0.5 * w / h, b = 0.5 * l / h;
-  const double ra = std::sqrt(1.0 + a * a), rb = std::sqrt(1.0 + b * b);
-  return 4.0 / (2.0 * kPiD) * (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb));
-}
-
 // A floor in the sun sends radiance rho E / pi up to a point that faces it.
 TEST(PathTracer, SunlitFloorSeenFromAbove) {
   const Vec3f rho = Vec3f::Constant(0.6F);
@@ -225,7 +221,7 @@ TEST(PathTracer, SunlitFloorSeenFromAbove) {
   sun.intensity = Vec3f::Constant(10.0F);
   const auto means = at_point(scene, sun, {Vec3f(0, 1.5F, 0), -Vec3f::UnitY()}, {.paths = 32});
   ZFamily family;
-  family.add("indirect", means.indirect[0], 0.6 * 10.0 * parallel_rectangle(2.0, 4.0, 1.5));
+  family.add("indirect", means.indirect[0], 0.6 * 10.0 * test::parallel_rectangle(2.0, 4.0, 1.5));
   family.check();
 }
 
@@ -246,7 +242,7 @@ TEST(PathTracer, AreaLightsMatchFormFactors) {
   sphere.radius = 0.8F;
   ZFamily family;
   family.add("quad", at_point(scene, quad, point, {.paths = 32}).direct[0],
-             3.0 * kPiD * parallel_rectangle(2.0, 4.0, 1.5));
+             3.0 * kPiD * test::parallel_rectangle(2.0, 4.0, 1.5));
   // A sphere wholly above the horizon, seen along the normal: pi L (R/d)^2 = I / d^2.
   family.add("sphere", at_point(scene, sphere, point, {.paths = 32}).direct[0], 1.0 / 4.0);
   family.check();
@@ -273,6 +269,172 @@ TEST(PathTracer, HalvesTellTheNoiseHonestly) {
   }
   EXPECT_GT(variance, 0.0);
   EXPECT_NEAR(told / variance, 1.0, kRatioTolerance);
+}
+
+/// Points uniform over a parallelogram that receives on the side of u × v; it need not be there.
+std::vector<ReceiverPoint> patch_points(const Vec3f& corner, const Vec3f& u, const Vec3f& v) {
+  std::vector<ReceiverPoint> points;
+  for (int i = 0; i < kReplicates; ++i) {
+    Random random(stream_key(kSeed, "patch"), static_cast<std::uint64_t>(i));
+    const float a = random.uniform(), b = random.uniform();
+    points.push_back({corner + a * u + b * v, u.cross(v).normalized()});
+  }
+  return points;
+}
+
+// A sunlit floor shines on a patch: rho E times the view factor from the patch to the floor.
+TEST(PathTracer, SunlitFloorSeenFromFacingAndUprightPatches) {
+  const float w = 0.7F, h = 1.3F;
+  Scene scene;
+  test::add_quad(scene, Vec3f::Zero(), Vec3f(0, 0, 1), Vec3f(w, 0, 0),
+                 test::add_material(scene, Vec3f::Constant(0.6F)));
+  test::finish(scene);
+  Light sun;
+  sun.kind = Light::Kind::kSun;
+  sun.direction = -Vec3f::UnitY();
+  sun.intensity = Vec3f::Constant(10.0F);
+  const auto facing = patch_points(Vec3f(0, 1, 0), Vec3f(w, 0, 0), Vec3f(0, 0, 1));
+  const auto upright = patch_points(Vec3f::Zero(), Vec3f(0, h, 0), Vec3f(0, 0, 1));
+  ZFamily family;
+  family.add("facing", at_points(scene, sun, facing, {.paths = 32}).indirect[0],
+             6.0 * test::facing_rectangles(w, 1.0));
+  family.add("upright", at_points(scene, sun, upright, {.paths = 32}).indirect[0],
+             6.0 * test::rectangles_at_right_angle(w, h) * w / h);  // reciprocity of view factors
+  family.check();
+}
+
+TEST(PathTracer, SunAndSpotAreExact) {
+  Scene scene;
+  test::add_quad(scene, Vec3f(-5, 0, -5), Vec3f(0, 0, 10), Vec3f(10, 0, 0),
+                 test::add_material(scene, Vec3f::Constant(0.9F)));
+  test::finish(scene);
+  const auto caster = make_embree_ray_caster(scene);
+  const auto direct = [&](const Light& light, const Vec3f& at) {
+    const ReceiverPoint point{at, Vec3f::UnitY()};
+    return trace_irradiance(scene, *caster, {&light, 1}, {&point, 1}, {}, kSeed)[0]
+        .mean_direct()[0];
+  };
+  Light sun;
+  sun.kind = Light::Kind::kSun;
+  sun.direction = Vec3f(0.6F, -0.8F, 0.0F);
+  sun.intensity = Vec3f::Constant(5.0F);
+  EXPECT_NEAR(direct(sun, Vec3f(1, 0, 2)), 5.0 * 0.8, 4.0 * test::kRounding);
+
+  Light spot = white_point(Vec3f(0, 2, 0));
+  spot.kind = Light::Kind::kSpot;
+  spot.inner_angle = 0.3F;
+  spot.outer_angle = 0.6F;
+  for (const double angle : {0.0, 0.25, 0.4, 0.55, 0.65}) {
+    const double cosine = std::cos(angle);
+    const double along = (cosine - std::cos(0.6)) / (std::cos(0.3) - std::cos(0.6));
+    const double falloff = std::pow(std::clamp(along, 0.0, 1.0), 2);
+    // Distance 2 / cos, and the floor is tilted by the same angle.
+    const double truth = falloff * std::pow(cosine, 3) / 4.0;
+    const Vec3f at(static_cast<float>(2.0 * std::tan(angle)), 0, 0);
+    EXPECT_NEAR(direct(spot, at), truth, 10.0 * test::kRounding * 0.25) << angle;
+  }
+}
+
+TEST(PathTracer, QuadLightMatchesLambertsFormula) {
+  Scene scene;  // nothing in the way
+  test::add_quad(scene, Vec3f(-5, -9, -5), Vec3f(0, 0, 10), Vec3f(10, 0, 0),
+                 test::add_material(scene, Vec3f::Constant(0.5F)));
+  test::finish(scene);
+  Light quad;
+  quad.kind = Light::Kind::kQuad;
+  quad.position = Vec3f(0.4F, 1.5F, 0.2F);
+  quad.edge_u = Vec3f(2, 0.5F, 0);
+  quad.edge_v = Vec3f(0, 0.3F, 3);  // u × v points down
+  quad.intensity = Vec3f::Constant(3.0F);
+  ZFamily family;
+  for (const Vec3f& towards : {Vec3f(0, 1, 0), Vec3f(0.5F, 0.8F, 0.1F), Vec3f(1, 0.2F, -0.3F)}) {
+    const Vec3f normal = towards.normalized();
+    std::vector<Vec3d> corners;
+    for (const auto& [a, b] : {std::pair{-0.5F, -0.5F}, {0.5F, -0.5F}, {0.5F, 0.5F}, {-0.5F, 0.5F}})
+      corners.emplace_back((quad.position + a * quad.edge_u + b * quad.edge_v).cast<double>());
+    family.add("normal " + std::to_string(normal.x()),
+               at_point(scene, quad, {Vec3f::Zero(), normal}, {.paths = 32}).direct[0],
+               3.0 * test::lambert_polygon(corners, normal.cast<double>()));
+  }
+  family.check();
+}
+
+// What patch A sends to B by way of all bounces is what B sends to A.
+TEST(PathTracer, PatchesExchangeTheSameEitherWay) {
+  Scene scene;
+  test::add_box(scene, Vec3f(-1, 0, -2), Vec3f(3, 2, 1),
+                test::add_material(scene, Vec3f::Constant(0.7F)));
+  test::add_box(scene, Vec3f(0.5F, 0.2F, -1), Vec3f(1, 1.2F, 0),
+                test::add_material(scene, Vec3f::Constant(0.2F)));
+  test::finish(scene);
+  struct Patch {
+    Vec3f corner, u, v;
+    [[nodiscard]] Light light() const {
+      Light quad;
+      quad.kind = Light::Kind::kQuad;
+      quad.position = corner + 0.5F * (u + v);
+      quad.edge_u = u;
+      quad.edge_v = v;
+      return quad;
+    }
+    [[nodiscard]] double area() const { return u.cross(v).norm(); }
+  };
+  const Patch a{Vec3f(-0.8F, 0.1F, -1.5F), Vec3f(0, 0, 1), Vec3f(0.5F, 0, 0)};  // up
+  const Patch b{Vec3f(2.7F, 0.5F, -1), Vec3f(0, 0, 1.5F), Vec3f(0, 1, 0)};      // towards -x
+  const auto flux = [&](const Patch& from, const Patch& to) {
+    std::vector<double> sums;
+    const auto found =
+        at_points(scene, from.light(), patch_points(to.corner, to.u, to.v), {.paths = 32});
+    for (double e : found.indirect[0]) sums.push_back(to.area() * e);
+    return sums;
+  };
+  const std::vector<double> there = flux(a, b), back = flux(b, a);
+  std::vector<double> difference;
+  double mean = 0.0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    difference.push_back(there[i] - back[i]);
+    mean += there[i] / kReplicates;
+  }
+  EXPECT_GT(mean, 0.0);
+  ZFamily family;
+  family.add("A to B less B to A", difference, 0.0);
+  family.check();
+}
+
+// Over many seeds, squared deviations in units of the standard error that the halves tell sum to
+// chi-squared.
+TEST(PathTracer, StandardErrorIsTheScatterOverSeeds) {
+  constexpr int kSeeds = 600;
+  constexpr std::size_t kPoints = 32;  // a mean of so many is normally distributed
+  Scene scene;
+  test::add_box(scene, Vec3f(-1, 0, -2), Vec3f(3, 2, 1),
+                test::add_material(scene, Vec3f::Constant(0.6F)));
+  test::finish(scene);
+  const auto caster = make_embree_ray_caster(scene);
+  const Light light = white_point(Vec3f(0.5F, 1.2F, -0.4F));
+  const std::vector<ReceiverPoint> points(kPoints, {Vec3f::Zero(), Vec3f::UnitY()});
+  std::vector<double> means;
+  double told = 0.0, mean = 0.0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const auto stream = stream_key(static_cast<std::uint64_t>(seed), "standard error");
+    double sum = 0.0;
+    for (const auto& e :
+         trace_irradiance(scene, *caster, {&light, 1}, points, {.paths = 16}, stream)) {
+      sum += e.mean_indirect()[0] / kPoints;
+      const double half = 0.5 * (e.indirect[0][0] - e.indirect[1][0]);
+      told += half * half / (kPoints * kPoints) / kSeeds;
+    }
+    means.push_back(sum);
+    mean += sum / kSeeds;
+  }
+  ASSERT_GT(told, 0.0);
+  double chi_squared = 0.0;
+  for (double m : means) chi_squared += (m - mean) * (m - mean) / told;
+  // Wilson & Hilferty 1931: the cube root of chi-squared over its degrees is nearly normal.
+  const double spread = 2.0 / (9.0 * (kSeeds - 1));
+  const double z = (std::cbrt(chi_squared / (kSeeds - 1)) - (1.0 - spread)) / std::sqrt(spread);
+  EXPECT_GE(test::p_value(z), test::kFamilyWiseError)
+      << "variance over what the halves tell: " << chi_squared / (kSeeds - 1);
 }
 
 TEST(PathTracer, RangesGiveTheSamePoints) {
