@@ -130,6 +130,12 @@ class Session {
       Planner planner(program_, *config_.method, config_.options, scene_, store);
       const ManifestContents manifest = read_manifest(fs_, config_.output / kManifestName);
       std::fputs(preview_plan(planner, store, hashes_, manifest).c_str(), stdout);
+      const auto prediction = predict_bake(program_, *config_.method, config_.options, scene_,
+                                           program_.best_isa(), stop_flag());
+      if (!prediction) return;
+      const int threads =
+          command_.threads > 0 ? command_.threads : share_cpus(ranks_.node_size()).threads;
+      std::fputs(prediction_text(*prediction, threads, ranks_.size()).c_str(), stdout);
     });
     return ExitCode::kDone;
   }
