@@ -6,6 +6,7 @@
 
 #include "apps/bake/report.h"
 #include "base/log.h"
+#include "methods/common/sampling.h"
 #include "store/index.h"
 
 namespace prt {
@@ -93,13 +94,26 @@ class Results {
       if (task.made) cpu_seconds += task.cost.cpu_seconds;
     }
     const nlohmann::json error = error_.empty() ? nlohmann::json(nullptr) : error_;
-    const ReportFacts facts{facts_.config,   facts_.scene,   plan_.all, error,       package_name(),
-                            package_.size(), content_,       seconds(), cpu_seconds, facts_.ranks,
-                            facts_.hosts,    facts_.threads, facts_.isa};
+    const ReportFacts facts{facts_.config,  facts_.scene,      plan_.all,    error,
+                            package_name(), package_.size(),   content_,     seconds(),
+                            cpu_seconds,    facts_.ranks,      facts_.hosts, facts_.threads,
+                            facts_.isa,     facts_.prediction, survey()};
     const nlohmann::json report = make_report(facts, with_figures(history_, result_));
     constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
     replace_file(fs_, file(kReportName), bytes_of(report.dump(2, ' ', false, kReplace) + "\n"));
     replace_file(fs_, file(kPageName), bytes_of(report_page(report)));
+  }
+
+  [[nodiscard]] nlohmann::json survey() const {
+    const auto samples = result_(kSamplesTask);
+    const auto albedo = result_(kAlbedoTask);
+    if (!samples || !albedo) return nullptr;
+    std::vector<nlohmann::json> rays;
+    const History full = with_figures(history_, result_);
+    for (const TaskHistory& task : full.tasks()) {
+      if (task.stage == "rays") rays.push_back(task.figures);
+    }
+    return survey_scene(facts_.scene, rays, *samples, *albedo);
   }
 
   [[nodiscard]] std::string marker() const {

@@ -30,8 +30,8 @@ OptionValues pilot_options(const OptionValues& wanted) {
   const auto limit = [&](const std::string& key, double most) {
     if (options.get<double>(key) > most) options.set(key, static_cast<std::size_t>(most));
   };
-  double samples = std::clamp(kPilotRays / options.get<double>("rays.directions"), kFewestSamples,
-                              kMostSamples);
+  double samples =
+      std::clamp(kPilotRays / options.get<double>("rays.directions"), kFewestSamples, kMostSamples);
   if (options.is_set("samples.count")) {
     samples = std::min(samples, options.get<double>("samples.count"));
   }
@@ -140,9 +140,8 @@ class Pilot : public PlanInputs {
     const Reader reader(*this, task);
     const BakeErrorMeter* meter = program_.evaluator.get();
     const bool judges = meter != nullptr && std::ranges::count(meter->kinds(), task.kind) > 0;
-    auto artifact =
-        std::make_shared<Artifact>(judges ? meter->run(task, reader, method_, options_)
-                                          : method_.run(task, reader));
+    auto artifact = std::make_shared<Artifact>(judges ? meter->run(task, reader, method_, options_)
+                                                      : method_.run(task, reader));
     // As a bake does: file, content, and read again to verify.
     const auto file = to_hdf5(*artifact, {task.kind, hash_text(task.id), task.version, ""});
     (void)from_hdf5(file);
@@ -247,15 +246,14 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
     return std::nullopt;
   }
   const auto samples = pilot.result(kSamplesTask);
-  const BakeSize had{samples->attribute<double>("samples"),
-                     samples->attribute<double>("clusters")};
+  const BakeSize had{samples->attribute<double>("samples"), samples->attribute<double>("clusters")};
   BakePrediction prediction;
   prediction.samples = expected_samples(options, samples->attribute<double>("area"));
-  prediction.clusters = std::max(
-      1.0, std::round(prediction.samples / options.get<double>("samples.cluster_size")));
+  prediction.clusters =
+      std::max(1.0, std::round(prediction.samples / options.get<double>("samples.cluster_size")));
   const StageFigures figures = pilot.figures();
-  const auto wanted = work_of(program, method, {prediction.samples, prediction.clusters}, options,
-                              figures);
+  const auto wanted =
+      work_of(program, method, {prediction.samples, prediction.clusters}, options, figures);
   const auto made = work_of(program, method, had, small, figures);
   for (const std::string& name : pilot.order()) {
     const auto& stage = pilot.stages().at(name);
@@ -264,8 +262,7 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
     const StageWork& m = made.at(name);
     prediction.stages.push_back({name, w->second.tasks, w->second.rays,
                                  stage.seconds * ratio(w->second.work, m.work),
-                                 stage.bytes * ratio(w->second.bytes, m.bytes),
-                                 w->second.memory});
+                                 stage.bytes * ratio(w->second.bytes, m.bytes), w->second.memory});
   }
   prediction.left_out = pilot.left_out();
   prediction.survey = pilot.survey();

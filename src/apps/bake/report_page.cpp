@@ -66,17 +66,22 @@ std::string measured_text(const json& measured) {
 }
 
 std::string stage_table(const json& stages) {
+  const auto predicted = [](const json& value, const auto& text) {
+    return value.is_null() ? std::string("–") : text(value);
+  };
+  const auto seconds = [](const json& s) { return fmt::format("{:.2f}", s.get<double>()); };
   std::string html =
       "<table><tr><th>stage</th><th>tasks</th><th>made</th><th>found</th><th>predicted s</th>"
-      "<th>s</th><th>CPU s</th><th>size</th><th>measured: mean (max)</th></tr>\n";
+      "<th>s</th><th>CPU s</th><th>predicted size</th><th>size</th><th>measured: mean (max)</th>"
+      "</tr>\n";
   for (const json& s : stages) {
     html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</"
-        "td>"
-        "<td>{}</td><td class=left>{}</td></tr>\n",
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td>"
+        "<td>{}</td><td>{}</td><td class=left>{}</td></tr>\n",
         text_of(s["stage"]), text_of(s["tasks"]), text_of(s["made"]), text_of(s["found"]),
-        s["predicted_seconds"].get<double>(), s["seconds"].get<double>(),
-        s["cpu_seconds"].get<double>(), bytes_text(s["bytes"]), measured_text(s["measured"]));
+        predicted(s["predicted_seconds"], seconds), s["seconds"].get<double>(),
+        s["cpu_seconds"].get<double>(), predicted(s["predicted_bytes"], bytes_text),
+        bytes_text(s["bytes"]), measured_text(s["measured"]));
   }
   return html + "</table>\n";
 }
@@ -114,6 +119,9 @@ std::string report_page(const json& report) {
               ? "<table class=facts>\n" + rows_of(report["error"]) + "</table>\n"
               : "<p>Not measured.</p>\n";
   html += "<h2>Stages</h2>\n" + stage_table(report["stages"]);
+  if (report["survey"].is_object()) {
+    html += "<h2>The scene</h2>\n<table class=facts>\n" + rows_of(report["survey"]) + "</table>\n";
+  }
   html += "<h2>Left out</h2>\n" + left_out_table(report["left_out"]);
   html += "<h2>This run</h2>\n<table class=facts>\n" + rows_of(report["this_run"]) + "</table>\n";
   html += "<h2>Options</h2>\n<table class=facts>\n" + rows_of(report["options"]) +

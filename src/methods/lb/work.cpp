@@ -39,8 +39,8 @@ class Work {
         channels_(figure(figures, "transfer", "channels",
                          figure(figures, "photon_transfer", "channels", 3.0))),
         rank_(figure(figures, "snapshot", "rank", 40.0)),
-        transfer_rank_(figure(figures, "transfer", "rank",
-                              figure(figures, "photon_transfer", "rank", 40.0))),
+        transfer_rank_(
+            figure(figures, "transfer", "rank", figure(figures, "photon_transfer", "rank", 40.0))),
         rounds_(figure(figures, "transfer", "rounds", 1.0)) {
     functions_ = light_rank_ * clusters_;
     unknowns_ = rank_ * clusters_;
@@ -81,12 +81,13 @@ class Work {
     const double again = channels_ * (rays * rank_ + n_ * unknowns_ * rank_ / 4.0);
     // Every later round has up to twice the rank of the one before, and squares count.
     const double r = rounds_;
-    work.push_back({"snapshot", r * clusters_, 0,
-                    r * (once + channels_ * n_ * kMixtures * std::min(per_cluster_, kMixtures) / 2.0),
-                    r * 4.0 * (rank_ * n_ + channels_ * unknowns_ * functions_),
-                    cluster_rays + 2.0 * gathered});
-    work.push_back({"snapshot_functions", r, 0, r * n_ * rank_, r * 4.0 * n_ * rank_,
-                    r * 8.0 * n_ * rank_});
+    work.push_back(
+        {"snapshot", r * clusters_, 0,
+         r * (once + channels_ * n_ * kMixtures * std::min(per_cluster_, kMixtures) / 2.0),
+         r * 4.0 * (rank_ * n_ + channels_ * unknowns_ * functions_),
+         cluster_rays + 2.0 * gathered});
+    work.push_back(
+        {"snapshot_functions", r, 0, r * n_ * rank_, r * 4.0 * n_ * rank_, r * 8.0 * n_ * rank_});
     work.push_back({"galerkin", r * clusters_, 0, r * again,
                     r * 4.0 * channels_ * unknowns_ * unknowns_, cluster_rays + snapshots});
     work.push_back({"solve", r * channels_, 0,
@@ -96,12 +97,12 @@ class Work {
     work.push_back({"transfer", r * clusters_, 0,
                     r * (once + again + channels_ * n_ * kMixtures * kMixtures / 2.0),
                     r * (compressed + probes), cluster_rays + gathered + snapshots});
-    work.push_back({"residual", r * clusters_, 0, r * rays, r * 728.0 * clusters_,
-                    cluster_rays + probes});
+    work.push_back(
+        {"residual", r * clusters_, 0, r * rays, r * 728.0 * clusters_, cluster_rays + probes});
     work.push_back({"photons", clusters_, 0, photons_, 4.0 * channels_ * n_ * functions_,
                     4.0 * channels_ * n_ * light_rank_});
-    work.push_back({"photon_transfer", clusters_, 0, channels_ * n_ * functions_, compressed,
-                    3.0 * gathered});
+    work.push_back(
+        {"photon_transfer", clusters_, 0, channels_ * n_ * functions_, compressed, 3.0 * gathered});
   }
 
   double n_, clusters_, per_cluster_, directions_, lights_, light_rank_, visibility_rank_, photons_,

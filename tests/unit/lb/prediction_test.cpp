@@ -1,10 +1,11 @@
 // A prediction, made before anything is sampled, against the bake that then happens.
+#include "apps/bake/prediction.h"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <map>
 
-#include "apps/bake/prediction.h"
 #include "methods/lb/lb.h"
 #include "scene/load.h"
 #include "store/hdf5_image.h"
