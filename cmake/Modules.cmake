@@ -33,8 +33,11 @@ if(PRT_NATIVE)
 else()
   target_compile_options(prt_flags INTERFACE -march=x86-64-v3)
 endif()
-# A task is single-threaded, and block sizes must not depend on the machine's caches.
-target_compile_definitions(prt_flags INTERFACE EIGEN_DONT_PARALLELIZE)
+# A task is single-threaded, and the blocks in which products are summed up must not depend on the
+# machine's caches: Eigen would ask the processor, and two hosts of one job would round differently.
+target_compile_definitions(prt_flags INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_NO_CPUID
+  EIGEN_DEFAULT_L1_CACHE_SIZE=49152 EIGEN_DEFAULT_L2_CACHE_SIZE=1048576
+  EIGEN_DEFAULT_L3_CACHE_SIZE=33554432)
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_definitions(prt_flags INTERFACE EIGEN_NO_DEBUG)
 endif()

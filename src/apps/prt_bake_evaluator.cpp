@@ -46,6 +46,11 @@ class BakeEvaluator : public BakeErrorMeter {
     return run_evaluate(task, reader, method.assemble(result, level));
   }
 
+  [[nodiscard]] std::vector<StageWork> work(const BakeSize& size,
+                                            const OptionValues& options) const override {
+    return evaluation_work(size, options);
+  }
+
   [[nodiscard]] nlohmann::json error(const Artifact& result) const override {
     return summarise(result);
   }

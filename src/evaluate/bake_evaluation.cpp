@@ -152,6 +152,16 @@ Plan plan_evaluation(const OptionValues& options, const std::string& samples_tas
   return plan;
 }
 
+std::vector<StageWork> evaluation_work(const BakeSize& size, const OptionValues& options) {
+  const double lights = options.get<double>("evaluate.lights");
+  const double points = options.get<double>("evaluate.points");
+  const double paths = 2.0 * lights * points * options.get<double>("evaluate.spp");
+  // Two sets of points with 25 floats each; direct light at every sample.
+  const double bytes = lights * (2.0 * 4.0 * 25.0 * points + 4.0 * size.samples);
+  return {{kReference, lights, 0, paths, bytes, 64.0 * size.samples},
+          {kEvaluate, 1, 0, lights * size.samples, 5000, 400.0 * size.samples}};
+}
+
 std::vector<std::string> evaluation_kinds() { return {kReference, kEvaluate}; }
 
 Artifact run_reference(const TaskSpec& task, const TaskReader& reader) {

@@ -20,6 +20,9 @@ Plan plan_evaluation(const OptionValues& options, const std::string& samples_tas
 /// Kinds of task planned above: "reference", "evaluate".
 std::vector<std::string> evaluation_kinds();
 
+/// What these tasks amount to in a bake of that size.
+std::vector<StageWork> evaluation_work(const BakeSize& size, const OptionValues& options);
+
 /// Runs a "reference" task: inputs {samples}; reads geometry and materials. Throws Interrupted when
 /// asked to stop, UserError where no light fits in.
 Artifact run_reference(const TaskSpec& task, const TaskReader& reader);

@@ -12,6 +12,7 @@
 
 #include "jobs/task.h"
 #include "methods/options.h"
+#include "methods/work.h"
 #include "package/package.h"
 #include "scene/ray_caster.h"
 #include "store/artifact.h"
@@ -100,6 +101,13 @@ class Method {
   /// Paper and section or equation that a kind of task implements; empty where it is nobody's.
   /// Goes into each artifact.
   [[nodiscard]] virtual std::string equation(const std::string& kind) const = 0;
+  /// What the method's stages amount to in a bake of that size; `figures`: what a small bake of the
+  /// scene found. Empty: bakes of this method are not predicted.
+  [[nodiscard]] virtual std::vector<StageWork> work(const BakeSize& /*size*/,
+                                                    const OptionValues& /*options*/,
+                                                    const StageFigures& /*figures*/) const {
+    return {};
+  }
   /// Runtime data from finished artifacts: everything of the package but scene and error.
   /// `result(task id)` gives each artifact that Plan::results names.
   [[nodiscard]] virtual Package assemble(

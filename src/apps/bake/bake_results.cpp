@@ -6,6 +6,7 @@
 
 #include "apps/bake/report.h"
 #include "base/log.h"
+#include "methods/common/sampling.h"
 #include "store/index.h"
 
 namespace prt {
@@ -113,10 +114,11 @@ class Results {
       if (task.made) cpu_seconds += task.cost.cpu_seconds;
     }
     const nlohmann::json error = error_.empty() ? nlohmann::json(nullptr) : error_;
-    const ReportFacts facts{facts_.config,   facts_.scene,   plan_,     error,       package_name(),
-                            package_.size(), content_,       seconds(), cpu_seconds, facts_.ranks,
-                            facts_.hosts,    facts_.threads, facts_.isa};
     const History history = with_figures(history_, result_);
+    const ReportFacts facts{facts_.config,  facts_.scene,      plan_,          error,
+                            package_name(), package_.size(),   content_,       seconds(),
+                            cpu_seconds,    facts_.ranks,      facts_.hosts,   facts_.threads,
+                            facts_.isa,     facts_.prediction, survey(history)};
     nlohmann::json report = make_report(facts, history);
     report["error_of_light"] = error_of_light_;
     constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
@@ -146,6 +148,18 @@ class Results {
     log::warn("{}: no error budget can be read from it; {} goes without",
               file(kBudgetName).string(), kPageName);
     return nullptr;
+  }
+
+  [[nodiscard]] nlohmann::json survey(const History& history) const {
+    const auto samples = result_(plan_.prefix + kSamplesTask);
+    const auto albedo = result_(plan_.prefix + kAlbedoTask);
+    if (!samples || !albedo) return nullptr;
+    std::vector<nlohmann::json> rays;
+    for (const TaskHistory& task : history.tasks()) {
+      const bool of_level = task.task.starts_with(plan_.prefix);
+      if (of_level && task.stage == "rays") rays.push_back(task.figures);
+    }
+    return survey_scene(facts_.scene, rays, *samples, *albedo);
   }
 
   [[nodiscard]] std::string marker() const {

@@ -8,6 +8,7 @@
 
 #include "apps/bake/history.h"
 #include "apps/bake/planner.h"
+#include "apps/bake/prediction.h"
 #include "apps/config/config.h"
 #include "store/bake_folder.h"
 
@@ -26,6 +27,7 @@ struct BakeFacts {
   int threads = 1;                 ///< of all ranks
   int ranks = 1;
   std::chrono::steady_clock::time_point began;
+  const BakePrediction* prediction = nullptr;  ///< null: none was made
 };
 
 using ReadResult = std::function<std::shared_ptr<const Artifact>(const std::string& task)>;

@@ -130,6 +130,12 @@ class Session {
       Planner planner(program_, *config_.method, config_.options, scene_, store);
       const ManifestContents manifest = read_manifest(fs_, config_.output / kManifestName);
       std::fputs(preview_plan(planner, store, hashes_, manifest).c_str(), stdout);
+      const auto prediction = predict_bake(program_, *config_.method, config_.options, scene_,
+                                           program_.best_isa(), stop_flag());
+      if (!prediction) return;
+      const int threads =
+          command_.threads > 0 ? command_.threads : share_cpus(ranks_.node_size()).threads;
+      std::fputs(prediction_text(*prediction, threads, ranks_.size()).c_str(), stdout);
     });
     return ExitCode::kDone;
   }
@@ -196,7 +202,22 @@ class Session {
     return config_.options.get<std::string>("store.keep") == "all";
   }
 
+  /// Before a large bake begins: what the report compares with what then happens. It costs about a
+  /// second, so small bakes go without.
+  void predict() {
+    constexpr double kWorthwhileRays = 2e7;
+    const OptionValues& o = config_.options;
+    if (!folder_->found().entries.empty() || !o.is_set("samples.count")) return;
+    if (o.get<double>("samples.count") * o.get<double>("rays.directions") < kWorthwhileRays) return;
+    try {
+      prediction_ = predict_bake(program_, *config_.method, o, scene_, isa_, stop_flag());
+    } catch (const std::exception& e) {
+      log::debug("nothing is predicted: {}", e.what());  // the bake itself will say what is wrong
+    }
+  }
+
   ExitCode coordinate() {
+    predict();
     KnownContents known;
     for (const ManifestEntry& entry : folder_->found().entries) known[entry.key] = entry.content;
     Coordinator coordinator(coordinator_settings(), std::move(known));
@@ -238,8 +259,9 @@ class Session {
 
   void finish(Planner& planner, const Host& host, const FindResult& find) {
     const auto result = [&](const std::string& task) { return planner.read(task, find); };
-    const BakeFacts facts{program_, config_,        scene_,        isa_,
-                          hosts_,   total_threads_, ranks_.size(), began_};
+    const BakeFacts facts{program_,      config_, scene_,
+                          isa_,          hosts_,  total_threads_,
+                          ranks_.size(), began_,  prediction_ ? &*prediction_ : nullptr};
     write_results(facts, host.plan(), result, host.history(), *folder_, fs_);
   }
 
@@ -263,6 +285,7 @@ class Session {
   int threads_ = 1;
   int total_threads_ = 1;
   std::vector<std::string> hosts_;
+  std::optional<BakePrediction> prediction_;
   mutable std::optional<BakeFolder> folder_;
 };
 

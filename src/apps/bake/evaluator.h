@@ -20,6 +20,9 @@ class BakeErrorMeter {
   [[nodiscard]] virtual std::vector<std::string> kinds() const = 0;
   [[nodiscard]] virtual Artifact run(const TaskSpec& task, const TaskReader& reader,
                                      const Method& method, const OptionValues& options) const = 0;
+  /// As Method::work, of its own stages.
+  [[nodiscard]] virtual std::vector<StageWork> work(const BakeSize& size,
+                                                    const OptionValues& options) const = 0;
   /// The error of the bake, as it goes into package and report, from the artifact of its last task
   /// (Plan::results).
   [[nodiscard]] virtual nlohmann::json error(const Artifact& result) const = 0;

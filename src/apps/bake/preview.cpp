@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 
 #include "base/log.h"
@@ -30,16 +31,12 @@ class Preview {
   }
 
   [[nodiscard]] std::string text() const {
-    std::string out = fmt::format("{:<20} {:>6} {:>6} {:>8} {:>12}\n", "stage", "tasks", "there",
-                                  "to make", "predicted s");
-    double predicted = 0.0;
+    std::string out =
+        fmt::format("{:<20} {:>6} {:>6} {:>8}\n", "stage", "tasks", "there", "to make");
     for (const auto& [name, stage] : coordinator_.progress()) {
-      const double cost = stage.cost_total - stage.cost_done;
-      predicted += cost;
-      out += fmt::format("{:<20} {:>6} {:>6} {:>8} {:>12.1f}\n", name, stage.total, stage.done,
-                         stage.total - stage.done, cost);
+      out += fmt::format("{:<20} {:>6} {:>6} {:>8}\n", name, stage.total, stage.done,
+                         stage.total - stage.done);
     }
-    out += fmt::format("about {:.1f} s of work on one core\n", predicted);
     if (!plan_.all.complete) out += "later stages are planned from what these measure\n";
     for (const LeftOut& l : plan_.all.left_out)
       out += "left out: " + l.what + ": " + l.reason + "\n";
@@ -87,6 +84,37 @@ std::string preview_plan(Planner& planner, const ArtifactStore& store, const Sce
   Preview preview(planner, store, scene, manifest);
   preview.run();
   return preview.text();
+}
+
+namespace {
+
+std::string prediction_row(const StagePrediction& s) {
+  constexpr double kMega = 1e6;
+  return fmt::format("{:<20} {:>6.0f} {:>9} {:>9.2f} {:>9.2f} {:>9.1f}\n", s.stage, s.tasks,
+                     s.rays > 0.0 ? fmt::format("{:.2f}", s.rays / kMega) : "-", s.seconds,
+                     s.bytes / kMega, s.memory / kMega);
+}
+
+}  // namespace
+
+std::string prediction_text(const BakePrediction& prediction, int threads, int ranks) {
+  constexpr double kMega = 1e6;
+  std::string out = fmt::format(
+      "\nPredicted for about {:.0f} samples in {:.0f} clusters, from a small bake of this scene in "
+      "memory ({:.1f} s):\n{:<20} {:>6} {:>9} {:>9} {:>9} {:>9}\n",
+      prediction.samples, prediction.clusters, prediction.pilot_seconds, "stage", "tasks", "Mrays",
+      "core s", "MB", "MB/task");
+  for (const StagePrediction& stage : prediction.stages) out += prediction_row(stage);
+  const StagePrediction total = prediction.total();
+  out += prediction_row(total);
+  const int all = std::max(1, threads * ranks);
+  out += fmt::format("about {:.1f} s with {} threads in all, {:.0f} MB on disk, {:.0f} MB a rank\n",
+                     total.seconds / all, all, total.bytes / kMega, threads * total.memory / kMega);
+  out += "survey of the scene: " + prediction.survey.dump() + "\n";
+  for (const LeftOut& l : prediction.left_out) {
+    out += "expected to be left out: " + l.what + ": " + l.reason + "\n";
+  }
+  return out;
 }
 
 }  // namespace prt

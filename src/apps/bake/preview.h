@@ -4,6 +4,7 @@
 #include <string>
 
 #include "apps/bake/planner.h"
+#include "apps/bake/prediction.h"
 #include "store/manifest.h"
 
 namespace prt {
@@ -11,5 +12,9 @@ namespace prt {
 /// Plans as far as the artifacts on disk allow. Looks only; makes nothing.
 std::string preview_plan(Planner& planner, const ArtifactStore& store, const SceneHashes& scene,
                          const ManifestContents& manifest);
+
+/// What the whole bake would take, as a table, with the survey of the scene and what is left out.
+/// `threads`: that each rank would run, `ranks`: of them.
+std::string prediction_text(const BakePrediction& prediction, int threads, int ranks);
 
 }  // namespace prt

@@ -34,7 +34,7 @@ json summarise_figures(const std::vector<const TaskHistory*>& tasks) {
 }
 
 json describe_stage(const std::string& name, const std::vector<const TaskHistory*>& tasks,
-                    double predicted) {
+                    const BakePrediction* prediction) {
   std::size_t made = 0;
   double seconds = 0.0;
   double cpu_seconds = 0.0;
@@ -45,29 +45,38 @@ json describe_stage(const std::string& name, const std::vector<const TaskHistory
     cpu_seconds += task->cost.cpu_seconds;
     bytes += task->cost.bytes;
   }
+  const StagePrediction* predicted = nullptr;
+  if (prediction != nullptr) {
+    for (const StagePrediction& stage : prediction->stages) {
+      if (stage.stage == name) predicted = &stage;
+    }
+  }
+  const auto foretold = [&](double StagePrediction::*part) {
+    return predicted != nullptr ? json(predicted->*part) : json(nullptr);
+  };
   return {{"stage", name},
           {"tasks", tasks.size()},
           {"made", made},
           {"found", tasks.size() - made},
-          {"predicted_seconds", predicted},
+          {"predicted_seconds", foretold(&StagePrediction::seconds)},
+          {"predicted_bytes", foretold(&StagePrediction::bytes)},
+          {"predicted_rays", foretold(&StagePrediction::rays)},
           {"seconds", seconds},
           {"cpu_seconds", cpu_seconds},
           {"bytes", bytes},
           {"measured", summarise_figures(tasks)}};
 }
 
-json describe_stages(const Plan& plan, const History& history) {
+json describe_stages(const Plan& plan, const History& history, const BakePrediction* prediction) {
   std::map<std::string, std::vector<const TaskHistory*>> by_stage;
   for (const TaskHistory& task : history.tasks()) by_stage[task.stage].push_back(&task);
-  std::map<std::string, double> predicted;
   std::vector<std::string> order;
   for (const TaskSpec& task : plan.tasks) {
-    if (!predicted.contains(task.kind)) order.push_back(task.kind);
-    predicted[task.kind] += task.cost;
+    if (std::ranges::count(order, task.kind) == 0) order.push_back(task.kind);
   }
   json stages = json::array();
   for (const std::string& stage : order) {
-    stages.push_back(describe_stage(stage, by_stage[stage], predicted[stage]));
+    stages.push_back(describe_stage(stage, by_stage[stage], prediction));
   }
   return stages;
 }
@@ -98,7 +107,8 @@ json make_report(const ReportFacts& facts, const History& history) {
           {"method", facts.config.method->name()},
           {"options", options},
           {"scene", describe_scene(facts.config, facts.scene)},
-          {"stages", describe_stages(facts.plan.all, history)},
+          {"stages", describe_stages(facts.plan.all, history, facts.prediction)},
+          {"survey", facts.survey},
           {"left_out", left_out},
           {"error", facts.error},
           {"accuracy", facts.plan.accuracy},

@@ -9,6 +9,7 @@
 #include "apps/bake/cpu_share.h"
 #include "apps/bake/history.h"
 #include "apps/bake/planner.h"
+#include "apps/bake/prediction.h"
 #include "apps/bake/report_pictures.h"
 #include "apps/config/config.h"
 #include "methods/method.h"
@@ -30,6 +31,8 @@ struct ReportFacts {
   std::vector<std::string> hosts;  ///< one per rank
   int threads = 1;                 ///< of all ranks together
   std::string isa;
+  const BakePrediction* prediction = nullptr;  ///< made before the bake; null: none was
+  nlohmann::json survey;                       ///< survey_scene(); null where there is none
 };
 
 nlohmann::json make_report(const ReportFacts& facts, const History& history);

@@ -174,6 +174,14 @@ std::string measured_text(const json& measured) {
   return text;
 }
 
+/// A figure that nobody predicted is a dash, not a zero.
+template <typename Text>
+std::string predicted(const json& value, const Text& text) {
+  return value.is_null() ? std::string("–") : text(value);
+}
+
+std::string seconds_text(const json& s) { return fmt::format("{:.2f}", s.get<double>()); }
+
 /// Time by stage, what was planned above what happened.
 std::string stage_bars(const json& stages) {
   double most = 1e-9;
@@ -186,9 +194,10 @@ std::string stage_bars(const json& stages) {
   for (const json& s : stages) {
     const double planned = number(s, "predicted_seconds", 0.0);
     const double taken = number(s, "seconds", 0.0);
-    out += fmt::format("<tr><th>{}</th><td class=fill>{}{}</td><td>{:.2f}<br>{:.2f}</td></tr>\n",
-                       text_of(s["stage"]), bar(planned / most, "planned"),
-                       bar(taken / most, "taken"), planned, taken);
+    out +=
+        fmt::format("<tr><th>{}</th><td class=fill>{}{}</td><td>{}<br>{:.2f}</td></tr>\n",
+                    text_of(s["stage"]), bar(planned / most, "planned"), bar(taken / most, "taken"),
+                    predicted(s["predicted_seconds"], seconds_text), taken);
   }
   return out + "</table>\n";
 }
@@ -196,15 +205,16 @@ std::string stage_bars(const json& stages) {
 std::string stage_table(const json& stages) {
   std::string out =
       "<div class=wide><table><tr><th>stage</th><th>tasks</th><th>made</th><th>found</th>"
-      "<th>predicted s</th><th>s</th><th>CPU s</th><th>size</th>"
+      "<th>predicted s</th><th>s</th><th>CPU s</th><th>predicted size</th><th>size</th>"
       "<th class=left>measured: mean (max)</th></tr>\n";
   for (const json& s : stages) {
     out += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td>"
-        "<td>{:.2f}</td><td>{}</td><td class=left>{}</td></tr>\n",
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.2f}</td><td>{:.2f}</td>"
+        "<td>{}</td><td>{}</td><td class=left>{}</td></tr>\n",
         text_of(s["stage"]), text_of(s["tasks"]), text_of(s["made"]), text_of(s["found"]),
-        s["predicted_seconds"].get<double>(), s["seconds"].get<double>(),
-        s["cpu_seconds"].get<double>(), bytes_text(s["bytes"]), measured_text(s["measured"]));
+        predicted(s["predicted_seconds"], seconds_text), s["seconds"].get<double>(),
+        s["cpu_seconds"].get<double>(), predicted(s["predicted_bytes"], bytes_text),
+        bytes_text(s["bytes"]), measured_text(s["measured"]));
   }
   return out + "</table></div>\n";
 }
@@ -263,6 +273,7 @@ std::string report_page(const json& report, const std::vector<ReportPicture>& pi
   if (budget.is_object()) page += "<h2>Where the error comes from</h2>\n" + budget_table(budget);
   page += "<h2>Where the time went</h2>\n" + stage_bars(report["stages"]) +
           folded("tasks, bytes and what each stage measured", stage_table(report["stages"]));
+  if (report["survey"].is_object()) page += "<h2>The scene</h2>\n" + facts(report["survey"]);
   page += "<h2>What was left out</h2>\n" + left_out_table(report["left_out"]);
   page += "<h2>This run</h2>\n" + folded("ranks, hosts, threads", facts(report["this_run"])) +
           folded("options", facts(report["options"])) + "</body></html>\n";

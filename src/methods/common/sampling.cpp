@@ -339,6 +339,22 @@ bool plan_sampling(const PlanInputs& inputs, Plan& plan) {
   return inputs.result(kSamplesTask) != nullptr;
 }
 
+SamplingTasks sampling_tasks(double samples) {
+  SamplingTasks tasks;
+  tasks.candidates = (kCandidatesPerSample + kAreaPointsPerSample / 2.0) * samples;
+  tasks.candidate_tasks =
+      std::ceil(kCandidatesPerSample * std::max(100.0, samples) / kCandidatesPerTask);
+  tasks.cell_points = std::min(kPointsPerCell * samples, static_cast<double>(kMostPoints));
+  tasks.cell_tasks = std::ceil(tasks.cell_points / kPointsPerTask);
+  return tasks;
+}
+
+double expected_samples(const OptionValues& options, double area) {
+  if (!options.is_set("samples.spacing")) return options.get<double>("samples.count");
+  const double spacing = options.get<double>("samples.spacing");
+  return std::max(1.0, kSamplesPerSquareRadius * area / (spacing * spacing));
+}
+
 std::vector<std::string> sampling_kinds() {
   return {"start", "candidates", "points", "cells", "samples", "albedo"};
 }

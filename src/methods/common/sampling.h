@@ -14,6 +14,18 @@ inline constexpr const char* kAlbedoTask = "albedo";
 /// finished; "albedo" is planned beside it.
 bool plan_sampling(const PlanInputs& inputs, Plan& plan);
 
+/// How far the stages split for about so many samples.
+struct SamplingTasks {
+  double candidates = 0.0;
+  double candidate_tasks = 1.0;
+  double cell_points = 0.0;
+  double cell_tasks = 1.0;
+};
+SamplingTasks sampling_tasks(double samples);
+
+/// Samples that a bake of `options` has on `area` m² of reachable surface, about.
+double expected_samples(const OptionValues& options, double area);
+
 std::vector<std::string> sampling_kinds();
 Artifact run_sampling(const TaskSpec& task, const TaskReader& reader);
 

@@ -8,6 +8,7 @@
 #include "methods/lb/effort.h"
 #include "methods/lb/plan.h"
 #include "methods/lb/tasks.h"
+#include "methods/lb/work.h"
 
 namespace prt {
 
@@ -136,6 +137,11 @@ class LeonhardtBohn : public Method {
   [[nodiscard]] std::string equation(const std::string& kind) const override {
     const auto task = task_table().find(kind);
     return task == task_table().end() ? "" : task->second.equation;
+  }
+
+  [[nodiscard]] std::vector<StageWork> work(const BakeSize& size, const OptionValues& options,
+                                            const StageFigures& figures) const override {
+    return lb::stage_work(size, options, figures);
   }
 
   [[nodiscard]] Package assemble(

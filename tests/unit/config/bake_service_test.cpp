@@ -86,7 +86,8 @@ TEST(Report, PageEscapesAndShowsEverything) {
                                 {"seconds", 1.5},
                                 {"cpu_seconds", 1.4},
                                 {"bytes", 1000},
-                                {"predicted_seconds", 2.0},
+                                {"predicted_seconds", 2.25},
+                                {"predicted_bytes", nullptr},
                                 {"measured", {{"lost", {{"mean", 0.001}, {"max", 0.002}}}}}};
   const nlohmann::json report = {
       {"package", "<a>.prt.glb"},
@@ -96,6 +97,7 @@ TEST(Report, PageEscapesAndShowsEverything) {
       {"method", "lb"},
       {"error", {{"indirect", {{"rel_rmse", 0.04}}}}},
       {"stages", {stage}},
+      {"survey", {{"mean_albedo", 0.375}}},
       {"left_out", {{{"what", "two channels"}, {"reason", "grey"}}}},
       {"this_run", {{"ranks", 2}}},
       {"options", {{"seed", 1}}}};
@@ -114,6 +116,9 @@ TEST(Report, PageEscapesAndShowsEverything) {
   EXPECT_THAT(page, HasSubstr("a &amp; b.glb"));
   EXPECT_THAT(page, HasSubstr("indirect.rel_rmse"));
   EXPECT_THAT(page, HasSubstr("lost 0.001 (max 0.002)"));
+  EXPECT_THAT(page, HasSubstr("<td>2.25</td><td>1.50</td>"));
+  EXPECT_THAT(page, HasSubstr("<td>–</td>"));
+  EXPECT_THAT(page, HasSubstr("<th>mean_albedo</th><td>0.375</td>"));
   EXPECT_THAT(page, HasSubstr("two channels"));
   EXPECT_THAT(page, testing::Not(HasSubstr("http")));
 }

@@ -1,0 +1,273 @@
+#include "apps/bake/prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <map>
+#include <set>
+
+#include "apps/bake/history.h"
+#include "base/error.h"
+#include "methods/common/sampling.h"
+#include "store/hdf5_image.h"
+
+namespace prt {
+
+namespace {
+
+using Results = std::map<std::string, std::shared_ptr<const Artifact>>;
+
+/// Rays of the small bake: about half a second of them.
+constexpr double kPilotRays = 1.5e6;
+constexpr double kFewestSamples = 400.0;
+constexpr double kMostSamples = 3000.0;
+/// Clusters of the small bake; and test points of its one test light.
+constexpr double kPilotClusters = 6.0;
+constexpr std::size_t kPilotPoints = 100;
+
+OptionValues pilot_options(const OptionValues& wanted) {
+  OptionValues options = wanted;
+  const auto limit = [&](const std::string& key, double most) {
+    if (options.get<double>(key) > most) options.set(key, static_cast<std::size_t>(most));
+  };
+  double samples =
+      std::clamp(kPilotRays / options.get<double>("rays.directions"), kFewestSamples, kMostSamples);
+  if (options.is_set("samples.count")) {
+    samples = std::min(samples, options.get<double>("samples.count"));
+  }
+  options.set("samples.spacing", nullptr);
+  options.set("samples.count", static_cast<std::size_t>(samples));
+  limit("samples.cluster_size", std::ceil(samples / kPilotClusters));
+  limit("evaluate.lights", 1);
+  limit("evaluate.points", kPilotPoints);
+  return options;
+}
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// A bake whose artifacts stay in memory; one thread.
+class Pilot : public PlanInputs {
+ public:
+  Pilot(const BakeProgram& program, const Method& method, OptionValues options, const Scene& scene,
+        const std::string& isa, const std::atomic<bool>& stop)
+      : program_(program),
+        method_(method),
+        options_(std::move(options)),
+        scene_(scene),
+        caster_(program.make_ray_caster(scene, isa)),
+        stop_(stop) {}
+
+  struct Stage {
+    double seconds = 0.0;
+    double bytes = 0.0;
+    double tasks = 0.0;
+    std::set<std::string> rounds;
+    std::map<std::string, double> sums;  ///< of figures, over tasks
+  };
+
+  /// False if it was stopped.
+  bool run() {
+    for (;;) {
+      plan_ = method_.plan(*this);
+      Plan judged;
+      if (program_.evaluator) judged = program_.evaluator->plan(options_, plan_);
+      std::vector<TaskSpec> tasks = plan_.tasks;
+      tasks.insert(tasks.end(), judged.tasks.begin(), judged.tasks.end());
+      bool ran = false;
+      for (const TaskSpec& task : tasks) {
+        if (stop_) return false;
+        if (results_.contains(task.id)) continue;
+        make(task);
+        ran = true;
+      }
+      if (plan_.complete) return true;
+      if (!ran) throw std::logic_error("a plan that is not complete has no task to run");
+    }
+  }
+
+  [[nodiscard]] const Scene& scene() const override { return scene_; }
+  [[nodiscard]] const OptionValues& options() const override { return options_; }
+  [[nodiscard]] std::shared_ptr<const Artifact> result(const std::string& id) const override {
+    const auto found = results_.find(id);
+    return found == results_.end() ? nullptr : found->second;
+  }
+  [[nodiscard]] const std::vector<std::string>& order() const { return order_; }
+  [[nodiscard]] const std::map<std::string, Stage>& stages() const { return stages_; }
+  [[nodiscard]] const std::vector<LeftOut>& left_out() const { return plan_.left_out; }
+
+  [[nodiscard]] StageFigures figures() const {
+    StageFigures all;
+    for (const auto& [name, stage] : stages_) {
+      for (const auto& [figure, sum] : stage.sums) all[name][figure] = sum / stage.tasks;
+      all[name]["tasks"] = stage.tasks;
+      all[name]["rounds"] = static_cast<double>(stage.rounds.size());
+    }
+    return all;
+  }
+  [[nodiscard]] nlohmann::json survey() const {
+    std::vector<nlohmann::json> rays;
+    for (const auto& [id, artifact] : results_) {
+      if (id.starts_with("rays/")) rays.push_back(figures_of(*artifact));
+    }
+    const auto samples = result(kSamplesTask);
+    const auto albedo = result(kAlbedoTask);
+    if (!samples || !albedo) return nullptr;
+    return survey_scene(scene_, rays, *samples, *albedo);
+  }
+
+ private:
+  class Reader : public TaskReader {
+   public:
+    Reader(Pilot& pilot, const TaskSpec& task) : pilot_(pilot), task_(task) {}
+    [[nodiscard]] const Scene& scene() const override { return pilot_.scene_; }
+    [[nodiscard]] const RayCaster& ray_caster() const override { return *pilot_.caster_; }
+    [[nodiscard]] std::shared_ptr<const Artifact> input(std::size_t i) const override {
+      return pilot_.results_.at(task_.inputs.at(i));
+    }
+    [[nodiscard]] Digest input_content(std::size_t i) const override {
+      return hash_text(task_.inputs.at(i));
+    }
+    [[nodiscard]] Memo& memo() const override { return pilot_.memo_; }
+    [[nodiscard]] bool stop_requested() const override { return pilot_.stop_; }
+
+   private:
+    Pilot& pilot_;
+    const TaskSpec& task_;
+  };
+
+  void make(const TaskSpec& task) {
+    const double began = cpu_seconds();
+    const Reader reader(*this, task);
+    const BakeErrorMeter* meter = program_.evaluator.get();
+    const bool judges = meter != nullptr && std::ranges::count(meter->kinds(), task.kind) > 0;
+    auto artifact = std::make_shared<Artifact>(judges ? meter->run(task, reader, method_, options_)
+                                                      : method_.run(task, reader));
+    // As a bake does: file, content, and read again to verify.
+    const auto file = to_hdf5(*artifact, {task.kind, hash_text(task.id), task.version, ""});
+    (void)from_hdf5(file);
+    if (!stages_.contains(task.kind)) order_.push_back(task.kind);
+    Stage& stage = stages_[task.kind];
+    stage.seconds += cpu_seconds() - began;
+    stage.bytes += static_cast<double>(file.size());
+    stage.tasks += 1.0;
+    stage.rounds.insert(task.id.substr(0, task.id.find('/')));
+    const nlohmann::json figures = figures_of(*artifact);
+    for (const auto& [name, value] : figures.items()) stage.sums[name] += value.get<double>();
+    results_[task.id] = std::move(artifact);
+  }
+
+  const BakeProgram& program_;
+  const Method& method_;
+  OptionValues options_;
+  const Scene& scene_;
+  std::unique_ptr<RayCaster> caster_;
+  const std::atomic<bool>& stop_;
+  Memo memo_;
+  Plan plan_;
+  Results results_;
+  std::vector<std::string> order_;
+  std::map<std::string, Stage> stages_;
+};
+
+std::map<std::string, StageWork> work_of(const BakeProgram& program, const Method& method,
+                                         const BakeSize& size, const OptionValues& options,
+                                         const StageFigures& figures) {
+  std::vector<StageWork> all = method.work(size, options, figures);
+  if (program.evaluator) {
+    const auto judged = program.evaluator->work(size, options);
+    all.insert(all.end(), judged.begin(), judged.end());
+  }
+  std::map<std::string, StageWork> by_stage;
+  for (const StageWork& work : all) by_stage[work.stage] = work;
+  return by_stage;
+}
+
+double ratio(double wanted, double pilot) { return pilot > 0.0 ? wanted / pilot : 1.0; }
+
+}  // namespace
+
+StagePrediction BakePrediction::total() const {
+  StagePrediction sum;
+  sum.stage = "all";
+  for (const StagePrediction& s : stages) {
+    sum.tasks += s.tasks;
+    sum.rays += s.rays;
+    sum.seconds += s.seconds;
+    sum.bytes += s.bytes;
+    sum.memory = std::max(sum.memory, s.memory);
+  }
+  return sum;
+}
+
+nlohmann::json survey_scene(const Scene& scene, const std::vector<nlohmann::json>& rays,
+                            const Artifact& samples, const Artifact& albedo) {
+  double count = 0.0, back = 0.0, all = 0.0, escaped = 0.0, lost = 0.0, most = 0.0, least = 1.0;
+  for (const nlohmann::json& cluster : rays) {
+    const double n = cluster.value("samples", 0.0);
+    const double escaped_share = cluster.value("escaped_share", 0.0);
+    count += n;
+    all += n * cluster.value("directions", 0.0);
+    back += cluster.value("back_hits", 0.0);
+    escaped += n * escaped_share;
+    lost += n * cluster.value("lost_share", 0.0);
+    most = std::max(most, 1.0 - escaped_share);
+    least = std::min(least, 1.0 - escaped_share);
+  }
+  const auto share = [](double part, double whole) { return whole > 0.0 ? part / whole : 0.0; };
+  const MatrixF values = albedo.matrix("albedo");
+  const auto areas = samples.values<float>("area");
+  double reflected = 0.0, area = 0.0;
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    reflected += areas[static_cast<std::size_t>(s)] * values.row(s).mean();
+    area += areas[static_cast<std::size_t>(s)];
+  }
+  return {{"rays", all},
+          {"back_hit_share", share(back, all)},
+          {"escaped_share", share(escaped, count)},
+          {"lost_share", share(lost, count)},
+          {"hit_share_of_cluster", {{"least", std::min(least, most)}, {"most", most}}},
+          {"mean_albedo", share(reflected, area)},
+          {"largest_albedo", albedo.attribute<double>("largest")},
+          {"colour_spread", albedo.attribute<double>("colour_spread")},
+          {"reachable_area", area},
+          {"diagonal", scene.diagonal()}};
+}
+
+std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Method& method,
+                                           const OptionValues& options, const Scene& scene,
+                                           const std::string& isa, const std::atomic<bool>& stop) {
+  if (method.work({1.0, 1.0}, options, {}).empty()) return std::nullopt;
+  const double began = cpu_seconds();
+  const OptionValues small = pilot_options(options);
+  Pilot pilot(program, method, small, scene, isa, stop);
+  try {
+    if (!pilot.run()) return std::nullopt;
+  } catch (const Interrupted&) {
+    return std::nullopt;
+  }
+  const auto samples = pilot.result(kSamplesTask);
+  const BakeSize had{samples->attribute<double>("samples"), samples->attribute<double>("clusters")};
+  BakePrediction prediction;
+  prediction.samples = expected_samples(options, samples->attribute<double>("area"));
+  prediction.clusters =
+      std::max(1.0, std::round(prediction.samples / options.get<double>("samples.cluster_size")));
+  const StageFigures figures = pilot.figures();
+  const auto wanted =
+      work_of(program, method, {prediction.samples, prediction.clusters}, options, figures);
+  const auto made = work_of(program, method, had, small, figures);
+  for (const std::string& name : pilot.order()) {
+    const auto& stage = pilot.stages().at(name);
+    const auto w = wanted.find(name);
+    if (w == wanted.end()) continue;
+    const StageWork& m = made.at(name);
+    prediction.stages.push_back({name, w->second.tasks, w->second.rays,
+                                 stage.seconds * ratio(w->second.work, m.work),
+                                 stage.bytes * ratio(w->second.bytes, m.bytes), w->second.memory});
+  }
+  prediction.left_out = pilot.left_out();
+  prediction.survey = pilot.survey();
+  prediction.pilot_seconds = cpu_seconds() - began;
+  return prediction;
+}
+
+}  // namespace prt

@@ -1,0 +1,44 @@
+// What a bake will take, from a small bake of the same scene in memory.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/bake/bake.h"
+
+namespace prt {
+
+struct StagePrediction {
+  std::string stage;
+  double tasks = 0.0;
+  double rays = 0.0;
+  double seconds = 0.0;  ///< on one core
+  double bytes = 0.0;    ///< of all its artifacts
+  double memory = 0.0;   ///< that one task holds, bytes
+};
+
+struct BakePrediction {
+  std::vector<StagePrediction> stages;  ///< in the order of the bake
+  std::vector<LeftOut> left_out;        ///< by the small bake
+  nlohmann::json survey;                ///< of the scene (survey_scene), from the small bake
+  double samples = 0.0;
+  double clusters = 0.0;
+  double pilot_seconds = 0.0;  ///< that the small bake took
+
+  [[nodiscard]] StagePrediction total() const;  ///< memory: of the largest task
+};
+
+/// Bakes a few hundred samples in memory, about a second, and scales what each stage took by
+/// Method::work. Writes nothing. Nothing where the method predicts nothing, or `stop` is set.
+/// Throws UserError as a bake would.
+std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Method& method,
+                                           const OptionValues& options, const Scene& scene,
+                                           const std::string& isa, const std::atomic<bool>& stop);
+
+/// Figures of a scene that decide what a bake of it needs, from what its ray and albedo tasks said.
+nlohmann::json survey_scene(const Scene& scene, const std::vector<nlohmann::json>& rays,
+                            const Artifact& samples, const Artifact& albedo);
+
+}  // namespace prt

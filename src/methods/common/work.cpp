@@ -1,0 +1,26 @@
+#include "methods/common/work.h"
+
+#include "methods/common/sampling.h"
+
+namespace prt {
+
+std::vector<StageWork> sampling_and_rays_work(const BakeSize& size, const OptionValues& options) {
+  const double n = size.samples;
+  const double directions = options.get<double>("rays.directions");
+  const double rays = n * directions;
+  const SamplingTasks tasks = sampling_tasks(n);
+  // A position, a normal and a triangle: 28 bytes; a point of a cell is three words; a ray is six
+  // bytes.
+  const double candidates = 28.0 * tasks.candidates;
+  const double points = 12.0 * tasks.cell_points;
+  return {
+      {"start", 1, 0, 1, 3500, 0},
+      {"candidates", tasks.candidate_tasks, 0, n, candidates, candidates / tasks.candidate_tasks},
+      {"points", 1, 0, n, 46.0 * n, 3.0 * candidates},
+      {"cells", tasks.cell_tasks, 0, n, points, points / tasks.cell_tasks},
+      {"samples", 1, 0, n, 50.0 * n, points},
+      {"albedo", 1, 0, n, 12.0 * n, points},
+      {"rays", size.clusters, rays, rays, 6.0 * rays, 12.0 * rays / size.clusters}};
+}
+
+}  // namespace prt

@@ -1,0 +1,72 @@
+// A prediction, made before anything is sampled, against the bake that then happens.
+#include "apps/bake/prediction.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <map>
+
+#include "methods/lb/lb.h"
+#include "scene/load.h"
+#include "store/hdf5_image.h"
+#include "support/in_process_bake.h"
+
+namespace prt {
+namespace {
+
+/// samples.count is met within 5 %, and every sample casts the same rays.
+constexpr double kCountTolerance = 0.05;
+/// The goal of predictions. In seconds it depends on the machine's other work and is not tested.
+constexpr double kBytesFactor = 1.5;
+
+BakeProgram program() {
+  BakeProgram program;
+  program.methods = {&lb_method()};
+  program.make_ray_caster = make_embree_ray_caster;
+  return program;
+}
+
+TEST(Prediction, MeetsRaysAndBytesOfTheBake) {
+  const Scene scene = load_scene(std::string(PRT_SOURCE_DIR) + "/configs/scenes/gallery.glb");
+  OptionValues options = test::default_options(lb_method());
+  options.set("samples.count", 3000);
+  options.set("samples.cluster_size", 300);
+  options.set("rays.directions", 504);
+  options.set("lb.example_lights", 200);
+  const std::atomic<bool> stop = false;
+  const auto prediction = predict_bake(program(), lb_method(), options, scene, "", stop);
+  ASSERT_TRUE(prediction);
+
+  test::InProcessBake bake(scene, options);
+  const Plan plan = bake.run(lb_method());
+  double rays = 0.0;
+  double all = 0.0;
+  for (const TaskSpec& task : plan.tasks) {
+    const auto artifact = bake.result(task.id);
+    if (task.kind == "rays") {
+      rays += artifact->attribute<double>("samples") * artifact->attribute<double>("directions");
+    }
+    all += static_cast<double>(to_hdf5(*artifact, {task.kind, hash_text(task.id), 1, ""}).size());
+  }
+  for (const StagePrediction& stage : prediction->stages) {
+    EXPECT_GE(stage.seconds, 0.0) << stage.stage;
+    if (stage.stage == "rays") {
+      EXPECT_NEAR(stage.rays, rays, kCountTolerance * rays);
+    }
+  }
+  EXPECT_LT(prediction->total().bytes, kBytesFactor * all);
+  EXPECT_GT(prediction->total().bytes, all / kBytesFactor);
+  RecordProperty("bytes_ratio", std::to_string(prediction->total().bytes / all));
+  EXPECT_LT(prediction->survey["colour_spread"].get<double>(), 1.0);
+  EXPECT_EQ(prediction->survey["escaped_share"].get<double>(), 0.0);  // the gallery is closed
+}
+
+TEST(Prediction, SaysNothingOnceItIsStopped) {
+  const Scene scene = load_scene(std::string(PRT_SOURCE_DIR) + "/configs/scenes/closed_box.glb");
+  const std::atomic<bool> stop = true;
+  const OptionValues options = test::default_options(lb_method());
+  EXPECT_FALSE(predict_bake(program(), lb_method(), options, scene, "", stop));
+}
+
+}  // namespace
+}  // namespace prt
