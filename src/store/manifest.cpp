@@ -74,7 +74,10 @@ class ManifestParser {
     }
   }
   ManifestContents take() {
-    if (contents_.outdated) contents_.entries.clear();
+    if (contents_.outdated) {
+      contents_.entries.clear();
+      contents_.made.clear();
+    }
     return std::move(contents_);
   }
 
@@ -93,6 +96,7 @@ class ManifestParser {
     contents_.has_header = true;
   }
   void entry(ManifestEntry entry) {
+    if (entry.finished > 0) contents_.made.push_back(entry);
     const auto [place, is_new] = place_of_task_.try_emplace(entry.task, contents_.entries.size());
     if (is_new) {
       contents_.entries.push_back(std::move(entry));

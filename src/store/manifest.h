@@ -41,6 +41,9 @@ struct ManifestContents {
   bool outdated = false;               ///< of an older schema; has no entries then
   std::string identity;                ///< of the bake; empty without a header
   std::vector<ManifestEntry> entries;  ///< one per task: the last; in the order of first lines
+  /// All lines that tell of the making, not the finding of an artifact: a task that goes back to
+  /// settings of before finds what it took then.
+  std::vector<ManifestEntry> made;
   std::size_t damaged_lines = 0;
 };
 

@@ -15,7 +15,7 @@ Host::Host(Planner& planner, FileSystem& fs, BakeFolder& folder, WriteResults wr
       keep_all_(keep_all),
       progress_(verbosity),
       status_(fs, folder.path()),
-      history_(folder.found().entries) {}
+      history_(folder.found().made) {}
 
 void Host::record(const Record& record) {
   done_[record.done.task] = history_.tasks().size();

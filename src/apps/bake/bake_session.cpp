@@ -130,8 +130,17 @@ class Session {
       Planner planner(program_, *config_.method, config_.options, scene_, store);
       const ManifestContents manifest = read_manifest(fs_, config_.output / kManifestName);
       std::fputs(preview_plan(planner, store, hashes_, manifest).c_str(), stdout);
-      const auto prediction = predict_bake(program_, *config_.method, config_.options, scene_,
-                                           program_.best_isa(), stop_flag());
+      const bool aims = AccuracyGoal(config_.options).wanted();
+      if (aims) {
+        std::fputs(
+            "\nThe accuracy asked for is aimed at level by level; this is the coarsest, and each "
+            "further one takes 2 to 3 times as long.\n",
+            stdout);
+      }
+      const auto prediction =
+          predict_bake(program_, *config_.method,
+                       aims ? options_at(*config_.method, config_.options, 0) : config_.options,
+                       scene_, program_.best_isa(), stop_flag());
       if (!prediction) return;
       const int threads =
           command_.threads > 0 ? command_.threads : share_cpus(ranks_.node_size()).threads;
@@ -208,6 +217,7 @@ class Session {
     constexpr double kWorthwhileRays = 2e7;
     const OptionValues& o = config_.options;
     if (!folder_->found().entries.empty() || !o.is_set("samples.count")) return;
+    if (AccuracyGoal(o).wanted()) return;  // nobody knows how many levels it takes
     if (o.get<double>("samples.count") * o.get<double>("rays.directions") < kWorthwhileRays) return;
     try {
       prediction_ = predict_bake(program_, *config_.method, o, scene_, isa_, stop_flag());

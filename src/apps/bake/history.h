@@ -28,7 +28,7 @@ struct TaskHistory {
 
 class History {
  public:
-  /// `earlier`: what the manifest held at the start.
+  /// `earlier`: the makings that the manifest told of at the start.
   explicit History(const std::vector<ManifestEntry>& earlier);
 
   const TaskHistory& add(const Record& record);

@@ -66,6 +66,19 @@ TEST_F(BakeFolderTest, TheLastLineOfATaskCounts) {
   EXPECT_EQ(entries(), (std::vector<ManifestEntry>{again, entry("rays/0001")}));
 }
 
+TEST_F(BakeFolderTest, KnowsWhatEveryMakingTookWhenATaskGoesBackToEarlierSettings) {
+  ManifestEntry first = entry("rays/0001"), second = first, found = first;
+  first.finished = 100;
+  first.seconds = 4.0;
+  second.key = hash_text("other settings");
+  second.finished = 200;
+  found.finished = 0;  // what an artifact that was only found leaves
+  found.seconds = 0.0;
+  for (const ManifestEntry& line : {first, second, found}) open().manifest().append(line, 0.0);
+  EXPECT_EQ(entries(), std::vector{found});
+  EXPECT_EQ(read_manifest(disk_, manifest_).made, (std::vector{first, second}));
+}
+
 TEST_F(BakeFolderTest, RefusesAnotherBakeUnlessFresh) {
   bake_two();
   const std::string message = refusal("sponza.glb");
