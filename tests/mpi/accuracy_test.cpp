@@ -1,10 +1,11 @@
 // Accuracy as the input, as a user meets it: level after level until the measured error is below
 // the goal, killed in between; and a goal that is out of reach.
+#include "apps/bake/accuracy.h"
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-#include "apps/bake/accuracy.h"
 #include "methods/lb/lb.h"
 #include "support/in_process_bake.h"
 #include "support/program.h"
@@ -17,9 +18,10 @@ using nlohmann::json;
 constexpr double kGoal = 0.12;
 
 json error_of(double rel_rmse, double standard_error, double light_error, double visibility) {
-  return {{"indirect",
-           {{"rel_rmse", rel_rmse}, {"standard_error", standard_error}, {"light_error", light_error}}},
-          {"visibility_error", visibility}};
+  return {
+      {"indirect",
+       {{"rel_rmse", rel_rmse}, {"standard_error", standard_error}, {"light_error", light_error}}},
+      {"visibility_error", visibility}};
 }
 
 TEST(AccuracyGoal, CountsAnErrorWithItsStandardErrorAndTheWorstFigure) {
@@ -85,6 +87,7 @@ TEST_F(AccuracyBake, RefinesUntilTheGoalIsMetAcrossAKill) {
   const json report = json::parse(test::read_text(bake() / "report.json"));
   const json& accuracy = report["accuracy"];
   EXPECT_TRUE(accuracy["met"].get<bool>());
+  EXPECT_NE(test::read_text(bake() / "report.html").find("Accuracy asked for"), std::string::npos);
   ASSERT_GE(accuracy["levels"].size(), 2U) << "the coarsest level was enough to test anything";
   EXPECT_GT(accuracy["levels"].front()["indirect"].get<double>(), kGoal);
   EXPECT_LE(report["error"]["indirect"]["rel_rmse"].get<double>(), kGoal);
@@ -98,8 +101,9 @@ TEST_F(AccuracyBake, RefinesUntilTheGoalIsMetAcrossAKill) {
   EXPECT_NE(again->output().find("already done"), std::string::npos) << again->output();
   EXPECT_TRUE(test::read_text(bake() / "room.prt.glb") == before);
 
-  test::Program verify({std::string(PRT_BINARY_DIR) + "/bin/prt_inspect", bake().string(), "--verify"},
-                       folder_.path / "verify.txt");
+  test::Program verify(
+      {std::string(PRT_BINARY_DIR) + "/bin/prt_inspect", bake().string(), "--verify"},
+      folder_.path / "verify.txt");
   EXPECT_EQ(verify.wait(), 0) << verify.output();
 }
 

@@ -104,13 +104,37 @@ std::string error_table(const json& error) {
         percent(member(e, {"rel_rmse_light", "p95"})));
   };
   line("indirect, at samples", member(error, {"indirect"}));
+  line("... were direct light exact", member(error, {"indirect", "exact_direct"}));
   line("indirect, on the surface", member(error, {"indirect", "surface"}));
   line("direct, at samples", member(error, {"direct"}));
   line("direct, on the surface", member(error, {"direct", "surface"}));
   return out + "</table></div>\n";
 }
 
-/// One bar per test light, the worst first.
+/// The levels that were tried for an accuracy that was asked for; nothing without one.
+std::string accuracy_table(const json& accuracy) {
+  if (!accuracy.is_object()) return "";
+  std::string out = "<p><b>Accuracy asked for:</b>";
+  for (const auto& [figure, goal] : accuracy["goal"].items()) {
+    out += fmt::format(" {} {}", escaped(figure), percent(goal));
+  }
+  out +=
+      accuracy["met"].get<bool>() ? ": met.</p>\n" : ": <b>not met</b> by the finest level.</p>\n";
+  out +=
+      "<div class=wide><table><tr><th>level</th><th>samples</th><th>indirect</th><th>noise ±</th>"
+      "<th>lights ±</th><th>visibility</th></tr>\n";
+  for (const json& l : accuracy["levels"]) {
+    out += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        text_of(l["level"]), text_of(l["samples"]), percent(l["indirect"]),
+        percent(l["standard_error"]), percent(l["light_error"]), percent(l["visibility"]));
+  }
+  return out + "</table></div>\n";
+}
+
+constexpr std::size_t kWorstLights = 12;
+
+/// One bar per test light, the worst first; all but so many are folded away.
 std::string light_strip(const json& of_light) {
   std::string out;
   for (const char* kind : {"indirect", "direct"}) {
@@ -124,13 +148,21 @@ std::string light_strip(const json& of_light) {
     }
     if (lights.empty()) continue;
     std::ranges::sort(lights, std::greater<>());
-    out += fmt::format("<h3>{} light, by test light</h3>\n<table class=bars>\n", kind);
-    for (const auto& [value, light] : lights) {
+    std::string rows;
+    std::string rest;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      const auto& [value, light] = lights[i];
       const double most = std::max(lights[0].first, 1e-12);
-      out += fmt::format("<tr><th>{}</th><td class=fill>{}</td><td>{}</td></tr>\n", light,
-                         bar(value / most, "error"), value > 0.0 ? percent(value) : "below noise");
+      (i < kWorstLights ? rows : rest) +=
+          fmt::format("<tr><th>{}</th><td class=fill>{}</td><td>{}</td></tr>\n", light,
+                      bar(value / most, "error"), value > 0.0 ? percent(value) : "below noise");
     }
-    out += "</table>\n";
+    out += fmt::format("<h3>{} light, by test light</h3>\n<table class=bars>\n{}</table>\n", kind,
+                       rows);
+    if (!rest.empty()) {
+      out += folded(fmt::format("the other {} lights", lights.size() - kWorstLights),
+                    "<table class=bars>\n" + rest + "</table>\n");
+    }
   }
   return out;
 }
@@ -251,8 +283,8 @@ std::string error_section(const json& report) {
   if (!error.is_object()) return "<p>Not measured.</p>\n";
   return "<p>Irradiance against a path-traced reference, under lights that training never "
          "saw.</p>\n" +
-         error_table(error) + light_strip(member(report, {"error_of_light"})) +
-         folded("every figure", facts(error));
+         accuracy_table(member(report, {"accuracy"})) + error_table(error) +
+         light_strip(member(report, {"error_of_light"})) + folded("every figure", facts(error));
 }
 
 }  // namespace
