@@ -5,6 +5,7 @@
 
 #include "evaluate/bake_evaluation.h"
 #include "methods/common/sampling.h"
+#include "store/manifest.h"
 
 namespace prt {
 
@@ -34,7 +35,7 @@ class BakeEvaluator : public BakeErrorMeter {
     std::map<std::string, std::size_t> places;
     const std::size_t first = task.parameters.at("references");
     for (std::size_t i = first; i < task.inputs.size(); ++i) {
-      places[task.inputs[i].substr(task.inputs[i].find(kLevelEnd) + 1)] = i;
+      places[task.inputs[i].substr(level_of(task.inputs[i]).size())] = i;
     }
     const auto result = [&](const std::string& id) -> std::shared_ptr<const Artifact> {
       const auto place = places.find(id);

@@ -21,6 +21,13 @@ namespace prt {
 inline constexpr int kManifestSchemaVersion = 2;
 inline constexpr const char* kManifestName = "manifest.log";
 
+/// Ends the level in front of a task's id where a bake has levels of effort: "2:rays/0007".
+inline constexpr char kLevelEnd = ':';
+/// "2:" of "2:rays/0007", nothing of "rays/0007".
+inline std::string level_of(const std::string& task) {
+  return task.substr(0, task.find(kLevelEnd) + 1);  // npos + 1 is 0
+}
+
 /// A finished task.
 struct ManifestEntry {
   std::string task;      ///< task id

@@ -101,10 +101,14 @@ TEST_F(AccuracyBake, RefinesUntilTheGoalIsMetAcrossAKill) {
   EXPECT_NE(again->output().find("already done"), std::string::npos) << again->output();
   EXPECT_TRUE(test::read_text(bake() / "room.prt.glb") == before);
 
-  test::Program verify(
-      {std::string(PRT_BINARY_DIR) + "/bin/prt_inspect", bake().string(), "--verify"},
-      folder_.path / "verify.txt");
+  const std::string inspect = std::string(PRT_BINARY_DIR) + "/bin/prt_inspect";
+  test::Program verify({inspect, bake().string(), "--verify"}, folder_.path / "verify.txt");
   EXPECT_EQ(verify.wait(), 0) << verify.output();
+  // Tasks go by their names without a level, those of the last.
+  test::Program draw({inspect, bake().string(), "--image", "rank", "-o", folder_.path / "rank.png"},
+                     folder_.path / "draw.txt");
+  EXPECT_EQ(draw.wait(), 0) << draw.output();
+  EXPECT_NE(test::read_text(bake() / "report.html").find("<b>Ranks</b>"), std::string::npos);
 }
 
 }  // namespace

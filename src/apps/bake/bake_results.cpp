@@ -129,8 +129,15 @@ class Results {
   /// The page is worth having without them.
   [[nodiscard]] std::vector<ReportPicture> pictures(const History& history) const {
     if (!facts_.program.draw_pictures) return {};
+    std::vector<TaskHistory> tasks;  // of the level that became the package
+    for (TaskHistory task : history.tasks()) {
+      if (!task.task.starts_with(plan_.prefix)) continue;
+      task.task.erase(0, plan_.prefix.size());
+      tasks.push_back(std::move(task));
+    }
+    const auto result = [&](const std::string& task) { return result_(plan_.prefix + task); };
     try {
-      return facts_.program.draw_pictures(assembled_, result_, history.tasks());
+      return facts_.program.draw_pictures(assembled_, result, tasks);
     } catch (const std::exception& e) {
       log::warn("{} has no pictures: {}", kPageName, e.what());
       return {};

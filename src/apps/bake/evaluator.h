@@ -9,9 +9,6 @@
 
 namespace prt {
 
-/// Ends the level in front of a task's id where a bake has levels of effort: "2:rays/0007".
-inline constexpr char kLevelEnd = ':';
-
 class BakeErrorMeter {
  public:
   virtual ~BakeErrorMeter() = default;

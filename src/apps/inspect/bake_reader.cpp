@@ -4,7 +4,13 @@ namespace prt {
 
 BakeReader::BakeReader(FileSystem& fs, const FileSystem::Path& dir)
     : fs_(fs), dir_(dir), manifest_(read_bake(fs, dir)), store_(fs, dir) {
-  for (const ManifestEntry& entry : manifest_.entries) entry_of_task_[entry.task] = entry;
+  const std::string level = manifest_.made.empty() ? "" : level_of(manifest_.made.back().task);
+  for (ManifestEntry entry : manifest_.entries) {
+    if (level_of(entry.task) != level) continue;
+    entry.task.erase(0, level.size());
+    entry_of_task_[entry.task] = entry;
+    entries_.push_back(std::move(entry));
+  }
 }
 
 std::shared_ptr<const Artifact> BakeReader::artifact(const std::string& task) const {

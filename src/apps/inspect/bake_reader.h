@@ -17,6 +17,9 @@ class BakeReader {
   BakeReader(FileSystem& fs, const FileSystem::Path& dir);
 
   [[nodiscard]] const ManifestContents& manifest() const { return manifest_; }
+  /// Its entries but those of other levels of effort than the one that was made last; ids without
+  /// the level.
+  [[nodiscard]] const std::vector<ManifestEntry>& entries() const { return entries_; }
   [[nodiscard]] const ArtifactStore& store() const { return store_; }
   [[nodiscard]] const FileSystem::Path& path() const { return dir_; }
   [[nodiscard]] FileSystem& file_system() const { return fs_; }
@@ -32,6 +35,7 @@ class BakeReader {
   FileSystem::Path dir_;
   ManifestContents manifest_;
   ArtifactStore store_;
+  std::vector<ManifestEntry> entries_;
   std::map<std::string, ManifestEntry> entry_of_task_;
 };
 

@@ -87,7 +87,7 @@ std::string plot_svg(const CurvePlot& plot, double left) {
 template <typename Visit>
 void for_clusters(const BakeReader& bake, const std::string& stage, Visit&& visit) {
   std::size_t count = 0;
-  for (const ManifestEntry& entry : bake.manifest().entries) {
+  for (const ManifestEntry& entry : bake.entries()) {
     if (entry.task.starts_with(stage + "/")) ++count;
   }
   for (std::size_t c = 0; c < count; ++c) {

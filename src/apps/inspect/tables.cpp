@@ -135,7 +135,7 @@ BakeTables make_tables(const BakeReader& bake) {
   BakeTables tables;
   tables.identity = bake.manifest().identity;
   std::map<std::int64_t, ClusterRow> clusters;
-  for (const ManifestEntry& entry : bake.manifest().entries) {
+  for (const ManifestEntry& entry : bake.entries()) {
     StageRow& stage = row_of_stage(tables, entry.kind);
     const std::uint64_t bytes = bake.store().bytes(entry.kind, entry.key);
     ++stage.tasks;
