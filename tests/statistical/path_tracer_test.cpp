@@ -90,6 +90,24 @@ Light white_point(const Vec3f& position) {
   return light;
 }
 
+Light white_sun(const Vec3f& direction, float irradiance) {
+  Light light;
+  light.kind = Light::Kind::kSun;
+  light.direction = direction;
+  light.intensity = Vec3f::Constant(irradiance);
+  return light;
+}
+
+Light white_quad(const Vec3f& centre, const Vec3f& u, const Vec3f& v, float radiance) {
+  Light light;
+  light.kind = Light::Kind::kQuad;
+  light.position = centre;
+  light.edge_u = u;
+  light.edge_v = v;
+  light.intensity = Vec3f::Constant(radiance);
+  return light;
+}
+
 // In any closed space of uniform albedo rho with a point light I inside, light is conserved: all of
 // 4 pi I arrives, and each bounce brings rho times the last. So the area means are exactly 4 pi I /
 // A and rho / (1 - rho) times that, for the mesh as it is: no correction for its facets.
@@ -215,10 +233,7 @@ TEST(PathTracer, SunlitFloorSeenFromAbove) {
   test::add_quad(scene, Vec3f(-1, 0, -2), Vec3f(0, 0, 4), Vec3f(2, 0, 0),
                  test::add_material(scene, rho));
   test::finish(scene);
-  Light sun;
-  sun.kind = Light::Kind::kSun;
-  sun.direction = -Vec3f::UnitY();
-  sun.intensity = Vec3f::Constant(10.0F);
+  const Light sun = white_sun(-Vec3f::UnitY(), 10.0F);
   const auto means = at_point(scene, sun, {Vec3f(0, 1.5F, 0), -Vec3f::UnitY()}, {.paths = 32});
   ZFamily family;
   family.add("indirect", means.indirect[0], 0.6 * 10.0 * test::parallel_rectangle(2.0, 4.0, 1.5));
@@ -231,12 +246,8 @@ TEST(PathTracer, AreaLightsMatchFormFactors) {
                  test::add_material(scene, Vec3f::Constant(0.5F)));
   test::finish(scene);
   const ReceiverPoint point{Vec3f::Zero(), Vec3f::UnitY()};
-  Light quad;
-  quad.kind = Light::Kind::kQuad;
-  quad.position = Vec3f(0, 1.5F, 0);
-  quad.edge_u = Vec3f(2, 0, 0);
-  quad.edge_v = Vec3f(0, 0, 4);  // u × v points down
-  quad.intensity = Vec3f::Constant(3.0F);
+  // u × v points down
+  const Light quad = white_quad(Vec3f(0, 1.5F, 0), Vec3f(2, 0, 0), Vec3f(0, 0, 4), 3.0F);
   Light sphere = white_point(Vec3f(0, 2, 0));
   sphere.kind = Light::Kind::kSphere;
   sphere.radius = 0.8F;
@@ -289,10 +300,7 @@ TEST(PathTracer, SunlitFloorSeenFromFacingAndUprightPatches) {
   test::add_quad(scene, Vec3f::Zero(), Vec3f(0, 0, 1), Vec3f(w, 0, 0),
                  test::add_material(scene, Vec3f::Constant(0.6F)));
   test::finish(scene);
-  Light sun;
-  sun.kind = Light::Kind::kSun;
-  sun.direction = -Vec3f::UnitY();
-  sun.intensity = Vec3f::Constant(10.0F);
+  const Light sun = white_sun(-Vec3f::UnitY(), 10.0F);
   const auto facing = patch_points(Vec3f(0, 1, 0), Vec3f(w, 0, 0), Vec3f(0, 0, 1));
   const auto upright = patch_points(Vec3f::Zero(), Vec3f(0, h, 0), Vec3f(0, 0, 1));
   ZFamily family;
@@ -314,10 +322,7 @@ TEST(PathTracer, SunAndSpotAreExact) {
     return trace_irradiance(scene, *caster, {&light, 1}, {&point, 1}, {}, kSeed)[0]
         .mean_direct()[0];
   };
-  Light sun;
-  sun.kind = Light::Kind::kSun;
-  sun.direction = Vec3f(0.6F, -0.8F, 0.0F);
-  sun.intensity = Vec3f::Constant(5.0F);
+  const Light sun = white_sun(Vec3f(0.6F, -0.8F, 0.0F), 5.0F);
   EXPECT_NEAR(direct(sun, Vec3f(1, 0, 2)), 5.0 * 0.8, 4.0 * test::kRounding);
 
   Light spot = white_point(Vec3f(0, 2, 0));
@@ -340,12 +345,9 @@ TEST(PathTracer, QuadLightMatchesLambertsFormula) {
   test::add_quad(scene, Vec3f(-5, -9, -5), Vec3f(0, 0, 10), Vec3f(10, 0, 0),
                  test::add_material(scene, Vec3f::Constant(0.5F)));
   test::finish(scene);
-  Light quad;
-  quad.kind = Light::Kind::kQuad;
-  quad.position = Vec3f(0.4F, 1.5F, 0.2F);
-  quad.edge_u = Vec3f(2, 0.5F, 0);
-  quad.edge_v = Vec3f(0, 0.3F, 3);  // u × v points down
-  quad.intensity = Vec3f::Constant(3.0F);
+  // u × v points down
+  const Light quad =
+      white_quad(Vec3f(0.4F, 1.5F, 0.2F), Vec3f(2, 0.5F, 0), Vec3f(0, 0.3F, 3), 3.0F);
   ZFamily family;
   for (const Vec3f& towards : {Vec3f(0, 1, 0), Vec3f(0.5F, 0.8F, 0.1F), Vec3f(1, 0.2F, -0.3F)}) {
     const Vec3f normal = towards.normalized();
