@@ -95,10 +95,16 @@ echo "ok: an old marker proves nothing"
 
 for signal in TERM USR1 INT; do
   bake=$scratch/stopped_by_$signal/bake
-  start stopped -- mpirun -n 2 "${tiny_bake[@]}" --out "$bake"
-  wait_until 60 "the first tasks" has_tasks "$bake" 4
-  kill -s "$signal" "$supervisor"
-  end_of stopped
+  # On a busy machine the signal may come after the end: such a try says nothing.
+  for try in 1 2 3 4 5; do
+    rm -rf "$bake"
+    start stopped -- mpirun -n 2 "${tiny_bake[@]}" --out "$bake"
+    wait_until 60 "the first tasks" has_tasks "$bake" 4
+    kill -s "$signal" "$supervisor"
+    end_of stopped
+    [ -e "$bake/complete.json" ] || break
+    echo "try $try: the bake was done before SIG$signal came"
+  done
   [ "$status" = 3 ] || { cat "$scratch/stopped.log" >&2; fail "stopped by SIG$signal, it ended with $status, not 3"; }
   expect_said stopped "stopped by SIG$signal; the same command goes on"
   [ ! -e "$bake/complete.json" ] || fail "it was stopped too late to tell"
