@@ -51,7 +51,7 @@ std::shared_ptr<const Artifact> Planner::read(const std::string& task, const Fin
 namespace {
 
 void put_before(const std::string& prefix, std::vector<std::string>& ids) {
-  for (std::string& id : ids) id = prefix + id;
+  for (std::string& id : ids) id.insert(0, prefix);
 }
 
 }  // namespace

@@ -66,7 +66,9 @@ std::string plot_svg(const CurvePlot& plot, double left) {
   const Axes axes = axes_of(plot);
   std::string svg = fmt::format("<g transform=\"translate({},0)\">\n", left);
   svg += fmt::format("<text x=\"{}\" y=\"30\" font-size=\"17\">{}</text>\n", kLeft, plot.title);
-  for (double d = axes.low; d <= axes.high + 0.5; d += 1.0) {
+  const auto decades = static_cast<int>(std::lround(axes.high - axes.low));
+  for (int i = 0; i <= decades; ++i) {
+    const double d = axes.low + i;
     svg += fmt::format(
         "<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"#ddd\"/>"
         "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">1e{5:.0f}</text>\n",
