@@ -371,14 +371,7 @@ TEST(PathTracer, PatchesExchangeTheSameEitherWay) {
   test::finish(scene);
   struct Patch {
     Vec3f corner, u, v;
-    [[nodiscard]] Light light() const {
-      Light quad;
-      quad.kind = Light::Kind::kQuad;
-      quad.position = corner + 0.5F * (u + v);
-      quad.edge_u = u;
-      quad.edge_v = v;
-      return quad;
-    }
+    [[nodiscard]] Light light() const { return white_quad(corner + 0.5F * (u + v), u, v, 1.0F); }
     [[nodiscard]] double area() const { return u.cross(v).norm(); }
   };
   const Patch a{Vec3f(-0.8F, 0.1F, -1.5F), Vec3f(0, 0, 1), Vec3f(0.5F, 0, 0)};  // up
