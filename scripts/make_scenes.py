@@ -12,11 +12,12 @@ import sys
 
 from scenes.cornell import closed_box, cornell, large_room, textured_room
 from scenes.gallery import gallery
+from scenes.house import house
 
 SCENES = {"cornell": cornell, "gallery": gallery, "closed_box": closed_box,
           "textured_room": textured_room}
 # Too large for a repository: made only by name.
-LARGE = {"large_room": large_room}
+LARGE = {"large_room": large_room, "house": house}
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "configs" / "scenes"
 
 
@@ -28,6 +29,7 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=FOLDER, help="folder to write to")
     parser.add_argument("--albedo", type=float, default=0.5, help="of closed_box")
     parser.add_argument("--triangles", type=int, default=1_000_000, help="of large_room")
+    parser.add_argument("--rooms", type=int, default=12, help="of house, along each side")
     arguments = parser.parse_args()
     unknown = sorted(set(arguments.names) - set(SCENES | LARGE))
     if unknown:
@@ -38,7 +40,7 @@ def main():
         if name == "closed_box":
             glb = closed_box(arguments.albedo)
         elif name in LARGE:
-            glb = LARGE[name](arguments.triangles)
+            glb = LARGE[name](arguments.rooms if name == "house" else arguments.triangles)
         else:
             glb = SCENES[name]()
         data, path = glb.bytes(), arguments.out / f"{name}.glb"

@@ -7,6 +7,7 @@
 #include "methods/lb/assemble.h"
 #include "methods/lb/effort.h"
 #include "methods/lb/plan.h"
+#include "methods/lb/scene_part.h"
 #include "methods/lb/tasks.h"
 #include "methods/lb/work.h"
 
@@ -25,9 +26,12 @@ const std::map<std::string, Task>& task_table() {
     for (const auto& kind : sampling_kinds()) t[kind] = {run_sampling, "LB §4.1"};
     for (const auto& kind : rays_kinds()) t[kind] = {run_rays, "LB §4.2"};
     t["visibility"] = {lb::run_visibility, "LB §4.2, eq. 8-9"};
+    t["reach"] = {lb::run_reach, "one bounce of LB §4.3.2 between clusters"};
+    t["windows"] = {lb::run_windows, "LB §4.3.2, eq. 4, between clusters"};
     t["lights"] = {lb::run_lights, "LB §4.3.1"};
     t["light_basis"] = {lb::run_light_basis, "LB §4.3.1 (uncentred)"};
     t["light_functions"] = {lb::run_light_functions, "LB §4.3.1"};
+    t["window_functions"] = {lb::run_window_functions, "LB §4.3.1"};
     t["snapshot"] = {lb::run_snapshot, "one bounce of LB §4.3.2, reduced by its singular vectors"};
     t["snapshot_functions"] = {lb::run_snapshot_functions, "LB §4.3.2"};
     t["galerkin"] = {lb::run_galerkin, "LB §4.3.2, eq. 4, by Galerkin projection"};
@@ -95,6 +99,26 @@ class LeonhardtBohn : public Method {
          "senders that fill more of a sample's hemisphere, and more than 6 / rays.directions of "
          "it, "
          "send to it one by one; 1: none does",
+         "beyond LB"},
+        {"lb.region_clusters",
+         Type::kIntegerOrAuto,
+         "auto",
+         1,
+         1000000,
+         {},
+         "1",
+         "most clusters whose light is solved for together, within a window of the clusters that "
+         "they exchange light with; auto: all up to 256, else 64 (photons: all)",
+         "beyond LB"},
+        {"lb.window_tolerance",
+         Type::kNumber,
+         0.01,
+         0.0,
+         1.0,
+         {},
+         "1",
+         "most of a region's indirect light that may stay outside its window, where the scene is "
+         "lit uniformly",
          "beyond LB"},
         {"lb.solver",
          Type::kText,

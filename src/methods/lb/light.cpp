@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "bases/effect_basis.h"
 #include "domains/directions.h"
 #include "methods/common/inputs.h"
+#include "methods/lb/scene_part.h"
 #include "methods/lb/tasks.h"
 #include "transport/direct.h"
 #include "transport/free_space.h"
@@ -29,19 +32,48 @@ constexpr std::size_t kPatches = 1536;
 // the basis is as good as from all 4,608 rows, for a ninth of the work.
 constexpr std::size_t kEffectRows = 512;
 constexpr std::uint64_t kSketchStream = 0x9a7c4;
+constexpr std::uint64_t kSumStream = 0x50b7a;
 // A cluster may use up to this many times the mean number of light functions.
 constexpr int kMostPerRank = 4;
 
 }  // namespace
 
+namespace {
+
+/// Free positions for lights in a part of a scene, nearer to surfaces where there is little room,
+/// and none where there is no room at all: a region may be a crack between two walls.
+std::vector<Vec3f> positions_in_region(const TaskReader& reader, const SampleSet& samples,
+                                       float& clearance, std::uint64_t stream, std::size_t first,
+                                       std::size_t count) {
+  constexpr int kTries = 4;
+  for (int i = 0; i < kTries; ++i, clearance /= 4.0F) {
+    try {
+      return free_positions(reader.scene(), reader.ray_caster(), samples, clearance, stream, first,
+                            count);
+    } catch (const UserError&) {
+      check_stop(reader);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
 Artifact run_lights(const TaskSpec& task, const TaskReader& reader) {
-  const auto shared = shared_samples(reader, 0);
+  const auto region = shared_region(task, reader);
   const auto& p = task.parameters;
-  const float clearance = light_clearance(shared->samples, kClearance);
-  const auto lights =
-      free_positions(reader.scene(), reader.ray_caster(), shared->samples, clearance,
-                     stream_key(p["seed"].get<std::uint64_t>(), "example lights"),
-                     p["first"].get<std::size_t>(), p["count"].get<std::size_t>());
+  float clearance = light_clearance(region->samples(), kClearance);
+  std::uint64_t stream = stream_key(p["seed"].get<std::uint64_t>(), "example lights");
+  const auto first = p["first"].get<std::size_t>();
+  const auto count = p["count"].get<std::size_t>();
+  std::vector<Vec3f> lights;
+  if (region->is_whole()) {
+    lights = free_positions(reader.scene(), reader.ray_caster(), region->samples(), clearance,
+                            stream, first, count);
+  } else {
+    stream = stream_key(stream, "region " + std::to_string(p["region"].get<std::size_t>()));
+    lights = positions_in_region(reader, region->samples(), clearance, stream, first, count);
+  }
   Artifact out;
   out.put("position", lights, "m", "example point lights");
   out.attributes["clearance"] = clearance;
@@ -78,11 +110,14 @@ Patches make_patches(const SampleSet& samples) {
 /// root of its area, per colour channel, sketched: kEffectRows × n_c. By reciprocity it is read off
 /// the cluster's own rays: A_j·G(j, s) = A_s·G(s, j). Entries G(j, s) above near_share are
 /// left out: they get transfer of their own (1: none does).
-MatrixF patch_effect(const Artifact& rays, const MatrixF& albedo, const SampleSet& samples,
-                     std::uint32_t begin, const Patches& patches, float near_share) {
+MatrixF patch_effect(const Artifact& rays, const ScenePart& part, const MatrixF& albedo,
+                     std::uint32_t begin, float near_share) {
+  const SampleSet& samples = part.samples();
+  const Patches patches = make_patches(samples);
   const HemisphereDirections directions(rays.attribute<int>("directions"));
   const GatherEntries entries =
-      gather_entries(rays.values<std::uint32_t>("sender"), directions.weights(), samples.size());
+      gather_entries(part.local_senders(rays.values<std::uint32_t>("sender")), directions.weights(),
+                     samples.size());
   const bool grey = (albedo.rowwise().maxCoeff() - albedo.rowwise().minCoeff()).maxCoeff() == 0.0F;
   const Eigen::Index channels = grey ? 1 : albedo.cols();
   struct Target {
@@ -136,35 +171,88 @@ void put_rows(Artifact& out, const EffectBasis& basis) {
 
 }  // namespace
 
+namespace {
+
+/// Example lights of a cluster.
+struct Examples {
+  std::vector<Vec3f> positions;
+  std::vector<std::uint32_t> column;  ///< in which each is summed up ...
+  std::vector<float> sign;            ///< ... and with which sign
+  Eigen::Index columns = 0;           ///< 0: each is its own column
+};
+
+/// Inputs 3, 4, ... In a window the regions that light may come from ("light_regions") have so many
+/// of them each ("lights_inputs"). Coefficients are wanted of all lights, yet a window knows those
+/// of its own clusters alone: so the first lights of all regions are one example, the second ones
+/// another, and every cluster of the scene knows its part of each. With random signs (a count
+/// sketch) their products keep those of single lights in the mean.
+Examples read_examples(const TaskSpec& task, const TaskReader& reader) {
+  const auto& p = task.parameters;
+  std::vector<std::uint64_t> regions = {0};
+  std::size_t inputs = own_inputs(task) - 3;
+  if (p.contains("light_regions")) {
+    regions = p["light_regions"].get<std::vector<std::uint64_t>>();
+    inputs = p["lights_inputs"].get<std::size_t>();
+  }
+  Examples examples;
+  std::size_t next = 3;
+  for (const std::uint64_t region : regions) {
+    std::uint32_t light = 0;
+    for (std::size_t i = 0; i < inputs; ++i) {
+      for (const Vec3f& position : reader.input(next++)->points("position")) {
+        examples.positions.push_back(position);
+        examples.column.push_back(light);
+        // The same sign whichever cluster looks at the light.
+        const bool negative =
+            Random(stream_key(kSumStream, std::to_string(region)), light).bits() % 2 == 1;
+        examples.sign.push_back(negative ? -1.0F : 1.0F);
+        ++light;
+      }
+    }
+  }
+  if (p.contains("light_regions")) examples.columns = p["lights"].get<Eigen::Index>();
+  return examples;
+}
+
+/// Coefficients of every example, k × lights, summed up by column.
+MatrixF sum_up(const MatrixF& coefficients, const Examples& examples) {
+  if (examples.columns == 0) return coefficients;
+  MatrixF sums = MatrixF::Zero(coefficients.rows(), examples.columns);
+  for (Eigen::Index l = 0; l < coefficients.cols(); ++l) {
+    sums.col(examples.column[l]) += examples.sign[l] * coefficients.col(l);
+  }
+  return sums;
+}
+
+}  // namespace
+
 Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader) {
-  const auto shared = shared_samples(reader, 0);
-  const SampleSet& samples = shared->samples;
-  const auto cluster = task.parameters["cluster"].get<std::uint32_t>();
+  const auto part = shared_window(task, reader);
+  const SampleSet& samples = part->samples();
+  const auto number = task.parameters["cluster"].get<std::uint32_t>();
+  const std::uint32_t cluster = part->local(number);
   const std::uint32_t begin = samples.cluster_begin[cluster];
   const std::uint32_t size = samples.cluster_size(cluster);
-  std::vector<Vec3f> lights;
-  for (std::size_t i = 3; i < task.inputs.size(); ++i) {
-    const auto part = reader.input(i)->points("position");
-    lights.insert(lights.end(), part.begin(), part.end());
-  }
-  const MatrixF examples =
-      direct_irradiance(reader.scene(), reader.ray_caster(), samples, begin, begin + size, lights,
-                        kNearest * samples_diagonal(samples));
+  const Examples lights = read_examples(task, reader);
+  const MatrixF examples = direct_irradiance(
+      reader.scene(), reader.ray_caster(), samples, begin, begin + size, lights.positions,
+      kNearest * samples_diagonal(shared_region(task, reader)->samples()));
   check_stop(reader);
   const VectorF areas = cluster_areas(samples, cluster);
-  const MatrixF albedo = reader.input(1)->matrix("albedo").middleRows(begin, size);
-  const MatrixF effect =
-      patch_effect(*reader.input(2), albedo, samples, begin, make_patches(samples),
-                   task.parameters["near_share"].get<float>());
+  const MatrixF albedo = part->rows(reader.input(1)->matrix("albedo")).middleRows(begin, size);
+  const MatrixF effect = patch_effect(*reader.input(2), *part, albedo, begin,
+                                      task.parameters["near_share"].get<float>());
   check_stop(reader);
-  EffectBasis basis =
-      make_effect_basis(effect, examples, kMostPerRank * task.parameters["rank"].get<int>());
+  EffectBasis basis;
+  if (examples.rows() > 0) {
+    basis = make_effect_basis(effect, examples, kMostPerRank * task.parameters["rank"].get<int>());
+  }
   if (basis.functions.rows() == 0) add_constant(basis, areas);
   Artifact out;
   put_rows(out, basis);
-  out.put("coefficients", basis.projections * examples.transpose(), "W/m^2",
+  out.put("coefficients", sum_up(basis.projections * examples.transpose(), lights), "W/m^2",
           "example lights in the light functions");
-  out.attributes = {{"cluster", cluster},
+  out.attributes = {{"cluster", number},
                     {"samples", size},
                     {"rank", basis.functions.rows()},
                     {"energy", basis.energy},
@@ -210,6 +298,21 @@ void put_functions(Artifact& out, const ClusterFunctions& f) {
   out.put<std::uint32_t>("begin", f.begin, {f.begin.size()}, "1", "first function of each cluster");
 }
 
+void put_projections(Artifact& out, const ClusterFunctions& projections) {
+  out.put("projections", projections.values, "m^2/W",
+          "coefficient = sum over a cluster's samples of projection times irradiance");
+}
+
+/// parts[c]: k_c × lights.
+void put_coefficients(Artifact& out, const ClusterFunctions& functions,
+                      const std::vector<MatrixF>& parts) {
+  MatrixF lights(functions.count(), parts[0].cols());
+  for (std::size_t c = 0; c < parts.size(); ++c) {
+    lights.middleRows(functions.begin[c], functions.of(c)) = parts[c];
+  }
+  out.put("coefficients", lights, "1", "example lights in the functions of all clusters");
+}
+
 ClusterFunctions get_functions(const Artifact& a) {
   return {a.vector<std::uint32_t>("begin"), a.matrix("values")};
 }
@@ -236,9 +339,10 @@ ClusterFunctions collect(const std::vector<MatrixF>& parts, const SampleSet& sam
 }  // namespace
 
 Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader) {
-  const SampleSet& samples = shared_samples(reader, 0)->samples;
+  const auto region = shared_region(task, reader);
+  const SampleSet& samples = region->samples();
   std::vector<VectorF> strengths;
-  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+  for (std::size_t i = 1; i < own_inputs(task); ++i) {
     const auto values = reader.input(i)->values<float>("strengths");
     strengths.emplace_back(
         Eigen::Map<const VectorF>(values.data(), static_cast<Eigen::Index>(values.size())));
@@ -259,25 +363,80 @@ Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader) {
   Artifact out;
   const ClusterFunctions all = collect(functions, samples);
   put_functions(out, all);
-  out.put("projections", collect(projections, samples).values, "m^2/W",
-          "coefficient = sum over a cluster's samples of projection times irradiance");
-  MatrixF lights(all.count(), coefficients[0].cols());
-  for (std::size_t c = 0; c < kept.size(); ++c) {
-    lights.middleRows(all.begin[c], kept[c]) = coefficients[c];
-  }
-  out.put("coefficients", lights, "1", "example lights in the functions of all clusters");
+  put_projections(out, collect(projections, samples));
+  put_coefficients(out, all, coefficients);
   out.attributes = {{"functions", all.count()},
                     {"largest_rank", *std::max_element(kept.begin(), kept.end())}};
   return out;
 }
 
+namespace {
+
+/// A region's functions, and which cluster of the scene has which of them.
+struct RegionFunctions {
+  RegionFunctions(const Artifact& artifact, const Region& region, const SampleSet& samples)
+      : light(get_light_functions(artifact)), coefficients(artifact.matrix("coefficients")) {
+    Eigen::Index row = 0;
+    for (std::uint32_t k = 0; k < region.clusters.size(); ++k) {
+      const Eigen::Index size = samples.cluster_size(region.clusters[k]);
+      places[region.clusters[k]] = {k, row, size};
+      row += size;
+    }
+  }
+  struct Place {
+    std::uint32_t cluster;  // in the region
+    Eigen::Index row, rows;
+  };
+  /// Of one cluster: k × n_c.
+  [[nodiscard]] MatrixF of(const MatrixF& values, const Place& p) const {
+    return values.block(p.row, 0, p.rows, light.functions.of(p.cluster)).transpose();
+  }
+  [[nodiscard]] MatrixF coefficients_of(const Place& p) const {
+    return coefficients.middleRows(light.functions.begin[p.cluster], light.functions.of(p.cluster));
+  }
+  LightFunctions light;
+  MatrixF coefficients;
+  std::map<std::uint32_t, Place> places;
+};
+
+}  // namespace
+
+Artifact run_window_functions(const TaskSpec& task, const TaskReader& reader) {
+  const auto part = shared_window(task, reader);
+  const SampleSet& all = shared_samples(reader, 0)->samples;
+  const std::vector<Region> regions = get_regions(*reader.input(task.inputs.size() - 1));
+  std::vector<MatrixF> functions(part->clusters().size());
+  std::vector<MatrixF> other(functions.size());
+  const auto from = task.parameters["from"].get<std::vector<std::size_t>>();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const RegionFunctions source(*reader.input(1 + i), regions.at(from[i]), all);
+    for (const auto& [cluster, place] : source.places) {
+      const std::uint32_t k = part->local(cluster);
+      if (k == kNone) continue;
+      functions[k] = source.of(source.light.functions.values, place);
+      other[k] = part->is_whole() ? source.of(source.light.projections, place)
+                                  : source.coefficients_of(place);
+    }
+  }
+  Artifact out;
+  const ClusterFunctions collected = collect(functions, part->samples());
+  put_functions(out, collected);
+  if (part->is_whole()) {
+    put_projections(out, collect(other, part->samples()));
+  } else {
+    put_coefficients(out, collected, other);
+  }
+  out.attributes = {{"functions", collected.count()}};
+  return out;
+}
+
 Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader) {
   std::vector<MatrixF> functions;
-  for (std::size_t i = 1; i < task.inputs.size(); ++i) {
+  for (std::size_t i = 1; i < own_inputs(task); ++i) {
     functions.push_back(reader.input(i)->matrix("functions"));
   }
   Artifact out;
-  put_functions(out, collect(functions, shared_samples(reader, 0)->samples));
+  put_functions(out, collect(functions, shared_window(task, reader)->samples()));
   return out;
 }
 

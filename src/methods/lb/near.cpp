@@ -53,17 +53,23 @@ void append_near(const Artifact& part, NearTransfer& near) {
 }
 
 std::shared_ptr<const GatherEntries> shared_near(const TaskReader& reader, std::size_t first,
-                                                 std::size_t clusters) {
+                                                 const ScenePart& part) {
+  const std::size_t clusters = part.clusters().size();
   std::string name = "near";
   for (std::size_t c = 0; c < clusters; ++c) name += " " + reader.input_content(first + c).hex();
   return reader.memo().get<GatherEntries>(name, [&] {
     NearTransfer near;
     for (std::size_t c = 0; c < clusters; ++c) append_near(*reader.input(first + c), near);
     auto entries = std::make_shared<GatherEntries>();
-    entries->begin = std::move(near.begin);
-    entries->senders = std::move(near.senders);
-    for (const std::uint16_t share : near.shares) {
-      entries->shares.push_back(static_cast<float>(share) / kUnitShare);
+    entries->begin = {0};
+    for (std::size_t r = 0; r + 1 < near.begin.size(); ++r) {
+      for (std::uint32_t k = near.begin[r]; k < near.begin[r + 1]; ++k) {
+        const std::uint32_t sender = part.local_sample(near.senders[k]);
+        if (sender == kNone) continue;
+        entries->senders.push_back(sender);
+        entries->shares.push_back(static_cast<float>(near.shares[k]) / kUnitShare);
+      }
+      entries->begin.push_back(static_cast<std::uint32_t>(entries->senders.size()));
     }
     return entries;
   });

@@ -10,6 +10,8 @@
 #include "methods/common/rays.h"
 #include "methods/common/sampling.h"
 #include "methods/lb/near.h"
+#include "methods/lb/regions.h"
+#include "methods/lb/scene_part.h"
 
 namespace prt::lb {
 
@@ -23,6 +25,14 @@ constexpr int kTransferRank = 50;
 // An entry of less weight than so many mean rays is more noise than knowledge, and most entries are
 // of that kind: one by one they would cost more than all the rest.
 constexpr double kNearRays = 6.0;
+// Up to so many clusters a scene is solved for as a whole: the dense system has some 40 unknowns
+// per cluster and takes 2 GB ...
+constexpr std::size_t kWholeClusters = 256;
+// ... above, in regions of so many, in windows that stay below the whole scene's limit.
+constexpr std::size_t kRegionClusters = 64;
+constexpr std::size_t kWindowClusters = 192;
+// Example lights of a region at least, however many regions share the lights of a window.
+constexpr std::size_t kLeastLights = 256;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
 
@@ -46,6 +56,7 @@ class Planner {
       plan_.complete = true;
       return;
     }
+    if (!plan_windows()) return;
     plan_lights();
     channels_ = 3;
     if (albedo->attribute<double>("colour_spread") <= kGreySpread) {
@@ -101,33 +112,115 @@ class Planner {
     });
   }
 
-  void plan_lights() {
-    const auto count = options_.get<std::size_t>("lb.example_lights");
-    std::vector<std::string> lights;
-    for (std::size_t first = 0; first < count; first += kLightsPerTask) {
-      TaskSpec spec =
-          make("lights", numbered("lights", lights.size()), {kSamplesTask}, kGeometry, 1.0);
-      spec.parameters = {
-          {"seed", seed()}, {"first", first}, {"count", std::min(kLightsPerTask, count - first)}};
-      lights.push_back(spec.id);
-      plan_.tasks.push_back(spec);
+  // ---- regions and windows ---------------------------------------------------------------------
+
+  static void append(std::vector<std::string>& ids, const std::vector<std::string>& more) {
+    ids.insert(ids.end(), more.begin(), more.end());
+  }
+  [[nodiscard]] std::size_t region_clusters() const {
+    if (photons()) return clusters_;
+    if (!options_.is_auto("lb.region_clusters")) {
+      return options_.get<std::size_t>("lb.region_clusters");
     }
+    return clusters_ <= kWholeClusters ? clusters_ : kRegionClusters;
+  }
+
+  /// False while it is not known which clusters go together.
+  bool plan_windows() {
+    if (clusters_ <= region_clusters()) {
+      regions_ = Regions::whole(clusters_);
+      return true;
+    }
+    per_cluster("reach", "reach", [&](TaskSpec& spec, std::size_t c) {
+      spec.inputs = {kSamplesTask, numbered("rays", c)};
+      spec.cost = 5e-5 * size_of(c);
+    });
+    TaskSpec spec = make(kWindowsTask, kWindowsTask, {kSamplesTask, kAlbedoTask}, kNoScene, 1.0);
+    append(spec.inputs, all("reach", clusters_));
+    spec.parameters = {{"region_clusters", region_clusters()},
+                       {"tolerance", options_.get<double>("lb.window_tolerance")},
+                       {"most_clusters", kWindowClusters}};
+    plan_.tasks.push_back(spec);
+    plan_.results.emplace_back(kWindowsTask);
+    const auto windows = in_.result(kWindowsTask);
+    if (!windows) return false;
+    regions_ = Regions(get_regions(*windows), clusters_);
+    plan_.left_out.push_back(
+        {"transfer between distant clusters",
+         fmt::format("{} regions exchange light with {:.0f} of {} clusters in the mean; at most "
+                     "{:.2g} of a uniformly lit region's indirect light comes from outside",
+                     regions_.count(), windows->attribute<double>("mean_window"), clusters_,
+                     windows->attribute<double>("error"))});
+    return true;
+  }
+
+  // ---- direct light ----------------------------------------------------------------------------
+
+  void plan_lights() {
+    const std::size_t count =
+        regions_.lights(options_.get<std::size_t>("lb.example_lights"), kLeastLights);
+    std::vector<std::vector<std::string>> lights(regions_.count());
+    for (std::size_t r = 0; r < regions_.count(); ++r) {
+      for (std::size_t first = 0; first < count; first += kLightsPerTask) {
+        const std::string id = regions_.several()
+                                   ? fmt::format("lights/{:04}-{}", r, first / kLightsPerTask)
+                                   : numbered("lights", first / kLightsPerTask);
+        TaskSpec spec = make("lights", id, {kSamplesTask}, kGeometry, 1.0);
+        spec.parameters = {
+            {"seed", seed()}, {"first", first}, {"count", std::min(kLightsPerTask, count - first)}};
+        regions_.place(spec, r);
+        lights[r].push_back(spec.id);
+        plan_.tasks.push_back(spec);
+      }
+    }
+    const auto lit_by = regions_.lit_by();
     per_cluster("light_basis", "light_basis", [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = {kSamplesTask, kAlbedoTask, numbered("rays", c)};
-      spec.inputs.insert(spec.inputs.end(), lights.begin(), lights.end());
+      for (const std::size_t r : lit_by[c]) append(spec.inputs, lights[r]);
       spec.scene_parts = kGeometry;
       spec.parameters["rank"] = options_.get<int>("lb.light_rank");
       spec.parameters["near_share"] = near_share();
+      if (regions_.several()) {
+        spec.parameters["light_regions"] = lit_by[c];
+        spec.parameters["lights_inputs"] = lights[0].size();
+        spec.parameters["lights"] = count;
+      }
       spec.version = 2;
-      spec.cost = 1.5e-7 * static_cast<double>(count) * size_of(c);
+      spec.cost = 1.5e-7 * static_cast<double>(count * lit_by[c].size()) * size_of(c);
+      regions_.place(spec, regions_.of(c));
     });
-    std::vector<std::string> inputs = all("light_basis", clusters_);
-    inputs.insert(inputs.begin(), kSamplesTask);
-    TaskSpec bundle = make("light_functions", kLightFunctions, inputs, kNoScene, 1.0);
-    bundle.parameters["rank"] = options_.get<int>("lb.light_rank");
-    bundle.version = 2;
-    plan_.tasks.push_back(bundle);
+    for (std::size_t r = 0; r < regions_.count(); ++r) {
+      TaskSpec bundle = make("light_functions",
+                             regions_.several() ? numbered("region_functions", r) : kLightFunctions,
+                             {kSamplesTask}, kNoScene, 1.0);
+      append(bundle.inputs, numbered_all("light_basis", regions_[r].clusters));
+      bundle.parameters["rank"] = options_.get<int>("lb.light_rank");
+      bundle.version = 2;
+      regions_.place(bundle, r);
+      plan_.tasks.push_back(bundle);
+    }
+    if (regions_.several()) plan_window_functions();
     plan_.results.emplace_back(kLightFunctions);
+  }
+
+  /// What each window's tasks read, and for the package the functions of all clusters.
+  void plan_window_functions() {
+    const auto collect = [&](const std::string& id, const std::vector<std::size_t>& from) {
+      TaskSpec spec = make("window_functions", id, {kSamplesTask}, kNoScene, 1.0);
+      for (const std::size_t r : from) spec.inputs.push_back(numbered("region_functions", r));
+      spec.parameters["from"] = from;
+      return spec;
+    };
+    std::vector<std::size_t> every;
+    for (std::size_t r = 0; r < regions_.count(); ++r) {
+      every.push_back(r);
+      TaskSpec spec = collect(regions_.light_functions(r), regions_.in_window(r));
+      regions_.place(spec, r);
+      plan_.tasks.push_back(spec);
+    }
+    TaskSpec whole = collect(kLightFunctions, every);
+    whole.inputs.emplace_back(kWindowsTask);
+    plan_.tasks.push_back(whole);
   }
 
   void add_compression(TaskSpec& spec) const {
@@ -196,7 +289,7 @@ class Planner {
       const auto part = in_.result(numbered(stage("residual", round), c));
       if (!part) return std::nullopt;
       squared += part->attribute<double>("squared_residual");
-      source = part->attribute<double>("squared_source");
+      source += part->attribute<double>("squared_source");
     }
     return source > 0.0 ? std::sqrt(squared / source) : 0.0;
   }
@@ -216,63 +309,79 @@ class Planner {
     const auto gather_inputs = [&](std::size_t c, const std::string& functions) {
       return std::vector<std::string>{kSamplesTask, kAlbedoTask, numbered("rays", c), functions};
     };
+    // Solutions of a region's channels.
+    const auto solved = [&](const std::string& solves, std::size_t r) {
+      std::vector<std::string> ids;
+      for (std::size_t i = 0; i < channels(); ++i) {
+        ids.push_back(numbered(solves, r * channels() + i));
+      }
+      return ids;
+    };
     if (!one_bounce) {
       per_cluster("snapshot", snapshot, [&](TaskSpec& spec, std::size_t c) {
-        spec.inputs = gather_inputs(c, kLightFunctions);
+        const std::size_t r = regions_.of(c);
+        spec.inputs = gather_inputs(c, regions_.light_functions(r));
         if (round > 0) {  // enriched by what the last round found
-          spec.inputs.push_back(stage("snapshot_functions", round - 1));
-          const auto solved = all(stage("solve", round - 1), channels());
-          spec.inputs.insert(spec.inputs.end(), solved.begin(), solved.end());
+          spec.inputs.push_back(regions_.name(stage("snapshot_functions", round - 1), r));
+          append(spec.inputs, solved(stage("solve", round - 1), r));
         }
         spec.parameters["channels"] = channels_;
         spec.parameters["rank"] = rank;
         spec.parameters["tolerance"] = tolerance;
+        spec.version = 4;
+        spec.cost = 3e-4 * size_of(c);
+        regions_.place(spec, r);
+      });
+      for (std::size_t r = 0; r < regions_.count(); ++r) {
+        TaskSpec collected =
+            make("snapshot_functions", regions_.name(bundle, r), {kSamplesTask}, kNoScene, 1.0);
+        append(collected.inputs, numbered_all(snapshot, regions_[r].window));
+        collected.version = 2;
+        regions_.place(collected, r);
+        plan_.tasks.push_back(collected);
+      }
+      per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
+        spec.inputs = gather_inputs(c, regions_.name(bundle, regions_.of(c)));
+        spec.parameters["channels"] = channels_;
         spec.version = 3;
         spec.cost = 3e-4 * size_of(c);
+        regions_.place(spec, regions_.of(c));
       });
-      std::vector<std::string> inputs = all(snapshot, clusters_);
-      inputs.insert(inputs.begin(), kSamplesTask);
-      TaskSpec collected = make("snapshot_functions", bundle, inputs, kNoScene, 1.0);
-      collected.version = 2;
-      plan_.tasks.push_back(collected);
-      per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
-        spec.inputs = gather_inputs(c, bundle);
-        spec.parameters["channels"] = channels_;
-        spec.version = 2;
-        spec.cost = 3e-4 * size_of(c);
-      });
-      inputs = all(snapshot, clusters_);
-      const auto rows = all(galerkin, clusters_);
-      inputs.insert(inputs.end(), rows.begin(), rows.end());
-      for (std::size_t channel = 0; channel < channels(); ++channel) {
-        TaskSpec spec = make("solve", numbered(solve, channel), inputs, kNoScene, 1.0);
-        spec.parameters = {{"channels", channels_}, {"channel", channel}, {"bounces", bounces()}};
-        spec.version = 2;
-        plan_.tasks.push_back(spec);
+      for (std::size_t r = 0; r < regions_.count(); ++r) {
+        std::vector<std::string> inputs = numbered_all(snapshot, regions_[r].window);
+        append(inputs, numbered_all(galerkin, regions_[r].window));
+        for (std::size_t channel = 0; channel < channels(); ++channel) {
+          TaskSpec spec = make("solve", solved(solve, r)[channel], inputs, kNoScene, 1.0);
+          spec.parameters = {{"channels", channels_}, {"channel", channel}, {"bounces", bounces()}};
+          spec.version = 3;
+          regions_.place(spec, r);
+          plan_.tasks.push_back(spec);
+        }
       }
     }
     per_cluster("transfer", transfer_stage_, [&](TaskSpec& spec, std::size_t c) {
-      spec.inputs = gather_inputs(c, kLightFunctions);
-      const auto near = all("near", clusters_);
-      spec.inputs.insert(spec.inputs.end(), near.begin(), near.end());
+      const std::size_t r = regions_.of(c);
+      spec.inputs = gather_inputs(c, regions_.light_functions(r));
+      append(spec.inputs, numbered_all("near", regions_[r].window));
       if (!one_bounce) {
-        spec.inputs.push_back(bundle);
-        const auto solved = all(solve, channels());
-        spec.inputs.insert(spec.inputs.end(), solved.begin(), solved.end());
+        spec.inputs.push_back(regions_.name(bundle, r));
+        append(spec.inputs, solved(solve, r));
       }
       spec.parameters["channels"] = channels_;
       spec.parameters["near_bounces"] = near_bounces();
       spec.version = 6;
       add_compression(spec);
       spec.cost = 6e-4 * size_of(c);
+      regions_.place(spec, r);
     });
     if (bounces() >= 0) return;
     per_cluster("residual", stage("residual", round), [&](TaskSpec& spec, std::size_t c) {
       spec.inputs = {kSamplesTask, kAlbedoTask, numbered("rays", c)};
-      const auto parts = all(transfer_stage_, clusters_);
-      spec.inputs.insert(spec.inputs.end(), parts.begin(), parts.end());
+      append(spec.inputs, numbered_all(transfer_stage_, regions_.window_of(c)));
       spec.parameters["channels"] = channels_;
+      spec.version = 2;
       spec.cost = 5e-5 * size_of(c);
+      regions_.place(spec, regions_.of(c));
     });
   }
 
@@ -316,6 +425,7 @@ class Planner {
   const OptionValues& options_;
   Plan& plan_;
   std::size_t clusters_ = 0;
+  Regions regions_;
   std::vector<std::uint32_t> begin_;
   int channels_ = 3;
   std::string transfer_stage_;

@@ -1,4 +1,6 @@
-// The tasks of the method, by kind. Inputs are listed in the order each expects them.
+// The tasks of the method, by kind. Inputs are listed in the order each expects them. In a scene of
+// several regions "windows" follows (scene_part.h), and where inputs say samples/* or the like, the
+// clusters are those of the region's window.
 #pragma once
 
 #include "base/error.h"
@@ -16,6 +18,10 @@ Artifact run_lights(const TaskSpec& task, const TaskReader& reader);
 Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader);
 /// samples, light_basis/* → all clusters' functions side by side (bundle).
 Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader);
+
+/// samples, light_functions of regions ("from"), windows → those of a window, or of the whole
+/// scene.
+Artifact run_window_functions(const TaskSpec& task, const TaskReader& reader);
 
 /// samples, albedo, rays/c, light_functions → basis of once-gathered light on a cluster.
 Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader);

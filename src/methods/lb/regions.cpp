@@ -1,0 +1,70 @@
+#include "methods/lb/regions.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "methods/common/inputs.h"
+#include "methods/lb/scene_part.h"
+
+namespace prt::lb {
+
+std::vector<std::string> numbered_all(const std::string& stage,
+                                      const std::vector<std::uint32_t>& clusters) {
+  std::vector<std::string> ids;
+  ids.reserve(clusters.size());
+  for (const std::uint32_t c : clusters) ids.push_back(numbered(stage, c));
+  return ids;
+}
+
+Regions::Regions(std::vector<Region> regions, std::size_t clusters)
+    : regions_(std::move(regions)), region_of_(clusters, 0) {
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    for (const std::uint32_t c : regions_[r].clusters) region_of_[c] = r;
+  }
+}
+
+Regions Regions::whole(std::size_t clusters) {
+  Region all;
+  all.clusters.resize(clusters);
+  std::iota(all.clusters.begin(), all.clusters.end(), 0U);
+  all.window = all.clusters;
+  return {{all}, clusters};
+}
+
+std::string Regions::name(const std::string& stage, std::size_t r) const {
+  return several() ? numbered(stage, r) : stage;
+}
+
+std::string Regions::light_functions(std::size_t r) const {
+  return several() ? numbered("window_functions", r) : "light_functions";
+}
+
+void Regions::place(TaskSpec& spec, std::size_t r) const {
+  if (!several()) return;
+  spec.parameters["region"] = r;
+  spec.inputs.emplace_back(kWindowsTask);
+}
+
+std::vector<std::vector<std::size_t>> Regions::lit_by() const {
+  std::vector<std::vector<std::size_t>> regions(region_of_.size());
+  for (std::size_t r = 0; r < count(); ++r) {
+    for (const std::uint32_t c : regions_[r].window) regions[c].push_back(r);
+  }
+  return regions;
+}
+
+std::size_t Regions::lights(std::size_t wanted, std::size_t least) const {
+  if (!several()) return wanted;
+  std::size_t windows = 0;
+  for (const Region& region : regions_) windows += region.window.size();
+  return std::min(wanted, std::max(least, wanted * region_of_.size() / windows));
+}
+
+std::vector<std::size_t> Regions::in_window(std::size_t r) const {
+  std::set<std::size_t> regions;
+  for (const std::uint32_t c : regions_[r].window) regions.insert(of(c));
+  return {regions.begin(), regions.end()};
+}
+
+}  // namespace prt::lb
