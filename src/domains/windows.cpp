@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kMostBounces = 200;
 // The series ends where what it adds is this share of the tolerance, and parts of it below the
-// second number are dropped on the way: so small beside the tolerance that sums of thousands of them
-// do not matter.
+// second number are dropped on the way: so small beside the tolerance that sums of thousands of
+// them do not matter.
 constexpr double kSeriesShare = 1e-2;
 constexpr double kDropShare = 1e-6;
 
@@ -152,7 +152,8 @@ std::vector<Region> find_windows(const std::vector<std::vector<std::uint32_t>>& 
       region.window.push_back(others[taken++]);
     }
     std::ranges::sort(region.window);
-    region.left_out = taken < others.size() && received > 0.0 ? std::max(0.0, rest) / received : 0.0;
+    region.left_out =
+        taken < others.size() && received > 0.0 ? std::max(0.0, rest) / received : 0.0;
     found.push_back(std::move(region));
   }
   return found;

@@ -10,8 +10,8 @@
 
 namespace prt {
 
-/// One bounce between clusters, all samples of a cluster taken together: receiver cluster r lists in
-/// [begin[r], begin[r+1]) which share of its hemispheres, cosine-weighted, in the mean over its
+/// One bounce between clusters, all samples of a cluster taken together: receiver cluster r lists
+/// in [begin[r], begin[r+1]) which share of its hemispheres, cosine-weighted, in the mean over its
 /// area, each sender cluster fills.
 struct ClusterExchange {
   std::vector<std::uint32_t> begin;    ///< clusters + 1

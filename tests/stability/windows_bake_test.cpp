@@ -104,9 +104,8 @@ TEST_F(InRegions, SmallerWindowsLoseNoMoreThanTheTolerance) {
     EXPECT_LT(off, tolerance) << "of light from one room";
     EXPECT_GT(off, 0.02 * tolerance) << "as good as nothing was left out";
     const auto& left_out = bake.plan().left_out;
-    EXPECT_TRUE(std::ranges::any_of(left_out, [](const LeftOut& l) {
-      return l.what == "transfer between distant clusters";
-    }));
+    EXPECT_TRUE(std::ranges::any_of(
+        left_out, [](const LeftOut& l) { return l.what == "transfer between distant clusters"; }));
   }
 }
 

@@ -73,16 +73,13 @@ std::shared_ptr<const ScenePart> shared_part(const TaskSpec& task, const TaskRea
   const auto scene = shared_samples(reader, 0);
   const std::string name = "part of samples " + reader.input_content(0).hex();
   if (!task.parameters.contains("region")) {
-    return reader.memo().get<ScenePart>(name,
-                                        [&] { return std::make_shared<ScenePart>(scene); });
+    return reader.memo().get<ScenePart>(name, [&] { return std::make_shared<ScenePart>(scene); });
   }
   const auto region = task.parameters["region"].get<std::size_t>();
-  const std::string part =
-      fmt::format("{}: {} {} of {}", name, what, region,
-                  reader.input_content(task.inputs.size() - 1).hex());
+  const std::string part = fmt::format("{}: {} {} of {}", name, what, region,
+                                       reader.input_content(task.inputs.size() - 1).hex());
   return reader.memo().get<ScenePart>(part, [&] {
-    return std::make_shared<ScenePart>(scene,
-                                       shared_regions(task, reader)->at(region).*clusters);
+    return std::make_shared<ScenePart>(scene, shared_regions(task, reader)->at(region).*clusters);
   });
 }
 
@@ -155,10 +152,9 @@ std::shared_ptr<const std::vector<Region>> shared_regions(const TaskSpec& task,
     return std::make_shared<std::vector<Region>>();
   }
   const std::size_t last = task.inputs.size() - 1;
-  return reader.memo().get<std::vector<Region>>(
-      "regions " + reader.input_content(last).hex(), [&] {
-        return std::make_shared<std::vector<Region>>(get_regions(*reader.input(last)));
-      });
+  return reader.memo().get<std::vector<Region>>("regions " + reader.input_content(last).hex(), [&] {
+    return std::make_shared<std::vector<Region>>(get_regions(*reader.input(last)));
+  });
 }
 
 std::shared_ptr<const ScenePart> shared_window(const TaskSpec& task, const TaskReader& reader) {
@@ -245,10 +241,10 @@ Artifact run_windows(const TaskSpec& task, const TaskReader& reader) {
     areas[c] = cluster_areas(samples, c).cast<double>().sum();
   }
   const auto& p = task.parameters;
-  const std::vector<Region> regions = find_windows(
-      make_regions(cluster_centres(samples), p["region_clusters"].get<std::size_t>()), exchange,
-      cluster_albedo(samples, reader.input(1)->matrix("albedo"), areas), areas,
-      {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()});
+  const std::vector<Region> regions =
+      find_windows(make_regions(cluster_centres(samples), p["region_clusters"].get<std::size_t>()),
+                   exchange, cluster_albedo(samples, reader.input(1)->matrix("albedo"), areas),
+                   areas, {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()});
   Lists clusters;
   Lists windows;
   std::vector<double> left_out;

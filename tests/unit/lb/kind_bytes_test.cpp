@@ -104,15 +104,21 @@ class TinyBake : public test::InProcessBake {
   std::map<std::string, KindHashes> kinds_;
 };
 
-json bake_by_kind(const std::string& solver) {
+/// `way`: a solver, or "regions" for gathering in regions.
+json bake_by_kind(const std::string& way) {
   const Scene scene = load_scene(std::string(PRT_SOURCE_DIR) + "/configs/scenes/cornell.glb");
   OptionValues options = test::default_options(lb_method());
-  const std::map<std::string, json> tiny = {{"samples.count", 300},  {"samples.cluster_size", 75},
-                                            {"rays.directions", 64}, {"lb.example_lights", 40},
-                                            {"lb.light_rank", 3},    {"lb.solver", solver},
-                                            {"lb.photons", 20000},   {"evaluate.lights", 2},
-                                            {"evaluate.points", 20}, {"evaluate.spp", 4}};
+  const std::map<std::string, json> tiny = {
+      {"samples.count", 300},  {"samples.cluster_size", 75},
+      {"rays.directions", 64}, {"lb.example_lights", 40},
+      {"lb.light_rank", 3},    {"lb.solver", way == "photons" ? way : "gather"},
+      {"lb.photons", 20000},   {"evaluate.lights", 2},
+      {"evaluate.points", 20}, {"evaluate.spp", 4}};
   for (const auto& [key, value] : tiny) options.set(key, value);
+  if (way == "regions") {
+    options.set("lb.region_clusters", 2);
+    options.set("lb.window_tolerance", 0.2);
+  }
   return TinyBake(scene, options).hashes();
 }
 
@@ -143,12 +149,12 @@ json read_record() {
 class KindBytes : public testing::TestWithParam<const char*> {};
 
 TEST_P(KindBytes, AKindWhoseResultsChangeGetsANewVersion) {
-  const std::string solver = GetParam();
-  const json now = bake_by_kind(solver);
+  const std::string way = GetParam();
+  const json now = bake_by_kind(way);
   json record = read_record();
   if (std::getenv("PRT_RECORD_BYTES") != nullptr) {
     record["platform"] = platform();
-    record[solver] = now;
+    record[way] = now;
     std::ofstream(kRecord) << record.dump(2) << "\n";
     GTEST_SKIP() << "recorded in " << kRecord;
   }
@@ -158,12 +164,12 @@ TEST_P(KindBytes, AKindWhoseResultsChangeGetsANewVersion) {
                 record.at("platform").get<std::string>().c_str(), platform().c_str());
   }
   for (const auto& [kind, hashes] : now.items()) {
-    ASSERT_TRUE(record.at(solver).contains(kind)) << kind << " is new: record it";
-    compare(kind, record.at(solver).at(kind), hashes, same_platform);
+    ASSERT_TRUE(record.at(way).contains(kind)) << kind << " is new: record it";
+    compare(kind, record.at(way).at(kind), hashes, same_platform);
   }
-  EXPECT_EQ(record.at(solver).size(), now.size()) << "kinds that are gone are still recorded";
+  EXPECT_EQ(record.at(way).size(), now.size()) << "kinds that are gone are still recorded";
 }
-INSTANTIATE_TEST_SUITE_P(Solvers, KindBytes, testing::Values("gather", "photons"));
+INSTANTIATE_TEST_SUITE_P(Ways, KindBytes, testing::Values("gather", "photons", "regions"));
 
 }  // namespace
 }  // namespace prt

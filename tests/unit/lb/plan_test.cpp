@@ -5,6 +5,7 @@
 #include <map>
 
 #include "methods/lb/lb.h"
+#include "methods/lb/scene_part.h"
 #include "scene/load.h"
 #include "statistical/test_scenes.h"
 #include "support/partial_bake.h"
@@ -67,7 +68,11 @@ class LbPlan : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(LbPlan, IsPureAndSoundAtEveryStage) {
   OptionValues options = tiny_bake();
-  options.set("lb.solver", GetParam());
+  if (std::string(GetParam()) == "regions") {
+    options.set("lb.region_clusters", 2);
+  } else {
+    options.set("lb.solver", GetParam());
+  }
   test::InProcessBake bake(closed_box(), options);
   const auto kinds = lb_method().kinds();
   Plan before;
@@ -101,7 +106,37 @@ TEST_P(LbPlan, IsPureAndSoundAtEveryStage) {
   }
   ADD_FAILURE() << "the plan is never complete";
 }
-INSTANTIATE_TEST_SUITE_P(Solvers, LbPlan, ::testing::Values("gather", "photons"));
+INSTANTIATE_TEST_SUITE_P(Ways, LbPlan, ::testing::Values("gather", "photons", "regions"));
+
+TEST(LbRegions, NameNoMoreInputsThanTheirWindowsHave) {
+  OptionValues options = tiny_bake();
+  options.set("samples.cluster_size", 20);
+  options.set("lb.region_clusters", 3);
+  options.set("lb.window_tolerance", 0.5);
+  test::InProcessBake bake(closed_box(), options);
+  const Plan plan = bake.run(lb_method());
+  const auto regions = lb::get_regions(*bake.result(lb::kWindowsTask));
+  const std::size_t clusters =
+      bake.result("samples")->values<std::uint32_t>("cluster_begin").size() - 1;
+  std::size_t solves = 0;
+  for (const TaskSpec& task : plan.tasks) {
+    if (!task.parameters.contains("region")) continue;
+    EXPECT_EQ(task.inputs.back(), lb::kWindowsTask) << task.id;
+    const Region& region = regions.at(task.parameters["region"].get<std::size_t>());
+    ASSERT_LT(region.window.size(), clusters);
+    const auto named = [&](const std::string& stage) {
+      return static_cast<std::size_t>(std::ranges::count_if(
+          task.inputs, [&](const std::string& id) { return id.starts_with(stage + "/"); }));
+    };
+    const std::map<std::string, std::string> reads = {
+        {"transfer", "near"}, {"residual", "transfer"}, {"solve", "galerkin"}};
+    const auto read = reads.find(task.kind);
+    if (read == reads.end()) continue;
+    EXPECT_EQ(named(read->second), region.window.size()) << task.id;
+    solves += task.kind == "solve" ? 1 : 0;
+  }
+  EXPECT_EQ(solves, regions.size());  // the box is grey
+}
 
 TEST(LbKeys, ChangedMaterialsCastNoRayAgain) {
   test::InProcessBake bake(closed_box(), tiny_bake());
