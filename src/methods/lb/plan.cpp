@@ -25,12 +25,6 @@ constexpr int kTransferRank = 50;
 // An entry of less weight than so many mean rays is more noise than knowledge, and most entries are
 // of that kind: one by one they would cost more than all the rest.
 constexpr double kNearRays = 6.0;
-// Up to so many clusters a scene is solved for as a whole: the dense system has some 40 unknowns
-// per cluster and takes 2 GB ...
-constexpr std::size_t kWholeClusters = 256;
-// ... above, in regions of so many, in windows that stay below the whole scene's limit.
-constexpr std::size_t kRegionClusters = 64;
-constexpr std::size_t kWindowClusters = 192;
 // Example lights of a region at least, however many regions share the lights of a window.
 constexpr std::size_t kLeastLights = 256;
 // Colours closer than this are grey: one channel serves all three.
@@ -117,17 +111,10 @@ class Planner {
   static void append(std::vector<std::string>& ids, const std::vector<std::string>& more) {
     ids.insert(ids.end(), more.begin(), more.end());
   }
-  [[nodiscard]] std::size_t region_clusters() const {
-    if (photons()) return clusters_;
-    if (!options_.is_auto("lb.region_clusters")) {
-      return options_.get<std::size_t>("lb.region_clusters");
-    }
-    return clusters_ <= kWholeClusters ? clusters_ : kRegionClusters;
-  }
-
   /// False while it is not known which clusters go together.
   bool plan_windows() {
-    if (clusters_ <= region_clusters()) {
+    const std::size_t most = most_region_clusters(options_, clusters_);
+    if (clusters_ <= most) {
       regions_ = Regions::whole(clusters_);
       return true;
     }
@@ -137,7 +124,7 @@ class Planner {
     });
     TaskSpec spec = make(kWindowsTask, kWindowsTask, {kSamplesTask, kAlbedoTask}, kNoScene, 1.0);
     append(spec.inputs, all("reach", clusters_));
-    spec.parameters = {{"region_clusters", region_clusters()},
+    spec.parameters = {{"region_clusters", most},
                        {"tolerance", options_.get<double>("lb.window_tolerance")},
                        {"most_clusters", kWindowClusters}};
     plan_.tasks.push_back(spec);

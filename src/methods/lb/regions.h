@@ -6,8 +6,17 @@
 
 #include "domains/windows.h"
 #include "jobs/task.h"
+#include "methods/options.h"
 
 namespace prt::lb {
+
+/// Clusters of a window that is larger than its region. The dense system of one has some 40
+/// unknowns per cluster and takes 1 GB.
+inline constexpr std::size_t kWindowClusters = 192;
+
+/// Most clusters of a region in a scene of so many: all of them up to 256, whose system takes 2 GB,
+/// and where photons need no system.
+std::size_t most_region_clusters(const OptionValues& options, std::size_t clusters);
 
 /// Names "stage/0007" of some clusters' tasks.
 std::vector<std::string> numbered_all(const std::string& stage,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "methods/common/work.h"
+#include "methods/lb/regions.h"
 
 namespace prt::lb {
 
@@ -42,8 +43,13 @@ class Work {
         transfer_rank_(
             figure(figures, "transfer", "rank", figure(figures, "photon_transfer", "rank", 40.0))),
         rounds_(figure(figures, "transfer", "rounds", 1.0)) {
-    functions_ = light_rank_ * clusters_;
-    unknowns_ = rank_ * clusters_;
+    const std::size_t most =
+        most_region_clusters(options, static_cast<std::size_t>(std::ceil(clusters_)));
+    regions_ = std::ceil(clusters_ / static_cast<double>(most));
+    // How much the clusters see of each other is not known yet: as much as a window may hold.
+    const double window = regions_ > 1.0 ? std::min<double>(clusters_, kWindowClusters) : clusters_;
+    functions_ = light_rank_ * window;
+    unknowns_ = rank_ * window;
   }
 
   [[nodiscard]] std::vector<StageWork> all() const {
@@ -64,8 +70,17 @@ class Work {
          4.0 * offered * (2.0 * n_ + clusters_ * lights_),
          cluster_rays + 4.0 * per_cluster_ * (lights_ + kEffectRows)},
         {"light_functions", 1, 0, n_ * light_rank_,
-         16.0 * n_ * light_rank_ + 4.0 * functions_ * lights_, 40.0 * n_ * light_rank_},
+         16.0 * n_ * light_rank_ + 4.0 * light_rank_ * clusters_ * lights_,
+         40.0 * n_ * light_rank_},
         {"near", clusters_, 0, rays, std::sqrt(n_), cluster_rays}};
+    if (regions_ > 1.0) {
+      const double window = per_cluster_ * functions_;  // values of a window's light functions
+      work.push_back({"reach", clusters_, 0, rays, 8.0 * clusters_ * clusters_, cluster_rays});
+      work.push_back({"windows", 1, 0, n_, 4.0 * functions_ * regions_ / light_rank_, 24.0 * n_});
+      work.push_back({"window_functions", regions_ + 1.0, 0, regions_ * window,
+                      4.0 * regions_ * (window + functions_ * lights_) + 8.0 * n_ * light_rank_,
+                      16.0 * n_ * light_rank_});
+    }
     add_transport(work, rays, cluster_rays);
     return work;
   }
@@ -76,24 +91,26 @@ class Work {
     const double snapshots = 4.0 * channels_ * per_cluster_ * unknowns_;
     const double bytes = bits_ / 8.0;
     const double compressed = bytes * transfer_rank_ * (n_ + clusters_ * channels_ * functions_);
+    const double all_unknowns = rank_ * clusters_;
     const double probes = 16.0 * channels_ * n_;
     const double once = channels_ * (rays * light_rank_ + n_ * functions_ * kMixtures / 8.0);
     const double again = channels_ * (rays * rank_ + n_ * unknowns_ * rank_ / 4.0);
+    const double held = per_cluster_ * unknowns_;  // values of a window's snapshots
     // Every later round has up to twice the rank of the one before, and squares count.
     const double r = rounds_;
     work.push_back(
         {"snapshot", r * clusters_, 0,
          r * (once + channels_ * n_ * kMixtures * std::min(per_cluster_, kMixtures) / 2.0),
-         r * 4.0 * (rank_ * n_ + channels_ * unknowns_ * functions_),
+         r * 4.0 * (rank_ * n_ + channels_ * all_unknowns * functions_),
          cluster_rays + 2.0 * gathered});
-    work.push_back(
-        {"snapshot_functions", r, 0, r * n_ * rank_, r * 4.0 * n_ * rank_, r * 8.0 * n_ * rank_});
+    work.push_back({"snapshot_functions", r * regions_, 0, r * regions_ * held,
+                    r * regions_ * 4.0 * held, 8.0 * held});
     work.push_back({"galerkin", r * clusters_, 0, r * again,
-                    r * 4.0 * channels_ * unknowns_ * unknowns_, cluster_rays + snapshots});
-    work.push_back({"solve", r * channels_, 0,
-                    r * channels_ * unknowns_ * unknowns_ * (unknowns_ / 3.0 + functions_),
-                    r * 4.0 * channels_ * unknowns_ * functions_,
-                    16.0 * unknowns_ * (unknowns_ + functions_)});
+                    r * 4.0 * channels_ * all_unknowns * unknowns_, cluster_rays + snapshots});
+    const double solves = r * channels_ * regions_;
+    work.push_back(
+        {"solve", solves, 0, solves * unknowns_ * unknowns_ * (unknowns_ / 3.0 + functions_),
+         solves * 4.0 * unknowns_ * functions_, 16.0 * unknowns_ * (unknowns_ + functions_)});
     work.push_back({"transfer", r * clusters_, 0,
                     r * (once + again + channels_ * n_ * kMixtures * kMixtures / 2.0),
                     r * (compressed + probes), cluster_rays + gathered + snapshots});
@@ -107,8 +124,9 @@ class Work {
 
   double n_, clusters_, per_cluster_, directions_, lights_, light_rank_, visibility_rank_, photons_,
       bits_, channels_, rank_, transfer_rank_, rounds_;
-  double functions_ = 0.0;
-  double unknowns_ = 0.0;
+  double regions_ = 1.0;
+  double functions_ = 0.0;  // of a window
+  double unknowns_ = 0.0;   // of a window
 };
 
 }  // namespace
