@@ -17,11 +17,12 @@ const std::vector<std::string> kTiny = {
     "lb.photons=100000",  "evaluate.lights=2",        "evaluate.points=100", "evaluate.spp=4"};
 constexpr std::size_t kLeastArtifacts = 50;
 
+/// The parameter is one more setting.
 class LbRanks : public testing::TestWithParam<const char*> {
  protected:
   [[nodiscard]] std::unique_ptr<test::Program> start(const std::string& name, BakeRun run) const {
     for (const std::string& option : kTiny) run.more.insert(run.more.end(), {"--set", option});
-    run.more.insert(run.more.end(), {"--set", std::string("lb.solver=") + GetParam()});
+    run.more.insert(run.more.end(), {"--set", GetParam()});
     run.more.insert(run.more.end(), {"--out", bake(name).string()});
     const std::string source = PRT_SOURCE_DIR;
     return test::start_bake(
@@ -77,7 +78,9 @@ TEST_P(LbRanks, EveryArtifactIsTheSameForAnyRanksThreadsAndKills) {
   finish("killed", {4, 1});
   expect_same(expected, test::bake_results(bake("killed")), "killed twice, then four ranks");
 }
-INSTANTIATE_TEST_SUITE_P(Solvers, LbRanks, testing::Values("gather", "photons"));
+INSTANTIATE_TEST_SUITE_P(Ways, LbRanks,
+                         testing::Values("lb.solver=gather", "lb.solver=photons",
+                                         "lb.region_clusters=3"));
 
 }  // namespace
 }  // namespace prt
