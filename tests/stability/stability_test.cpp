@@ -13,6 +13,7 @@
 #include "stability/small_bake.h"
 #include "statistical/test_scenes.h"
 #include "transport/direct.h"
+#include "unit/scene/gltf_writer.h"
 
 namespace prt {
 namespace {
@@ -29,7 +30,7 @@ using test::SmallBake;
 /// failure all further lines of the same test say no.
 void record(const std::string& what, const std::string& expected, const std::string& found) {
   if (const char* file = std::getenv("PRT_STABILITY_TABLE")) {
-    const bool good = !testing::Test::HasFailure();
+    const bool good = !::testing::Test::HasFailure();
     std::ofstream(file, std::ios::app)
         << fmt::format("| {} | {} | {} | {} |\n", what, expected, found, good ? "yes" : "**no**");
   }
@@ -287,27 +288,88 @@ Quality quality(const Scene& scene, float scale, const Vec3f& offset) {
   return {std::sqrt(off / power), received / sent};
 }
 
-TEST(Scale, OtherFactorsAndFarPlacesChangeLittle) {
+/// The quality's own row, beside one that it should be like.
+void expect_alike(const std::string& what, const Quality& one, const Quality& other) {
+  // Other samples are drawn, so neither is the same number.
+  EXPECT_NEAR(other.direct_error, one.direct_error, 0.25 * one.direct_error) << what;
+  EXPECT_NEAR(other.gain, one.gain, 0.02 * one.gain) << what;
+  record(what,
+         fmt::format("direct error {:.1f} % ± a quarter, gain {:.3f} ± 2 %",
+                     100.0 * one.direct_error, one.gain),
+         fmt::format("{:.1f} %, {:.3f}", 100.0 * other.direct_error, other.gain));
+}
+
+TEST(Scale, OtherFactorsChangeLittle) {
   const Quality one = quality(furnished(), 1.0F, Vec3f::Zero());
   EXPECT_LT(one.direct_error, 0.15);
-  const auto expect_alike = [&](const std::string& what, const Quality& other) {
-    // Other samples are drawn, so neither is the same number.
-    EXPECT_NEAR(other.direct_error, one.direct_error, 0.25 * one.direct_error) << what;
-    EXPECT_NEAR(other.gain, one.gain, 0.02 * one.gain) << what;
-    record(what,
-           fmt::format("direct error {:.1f} % ± a quarter, gain {:.3f} ± 2 %",
-                       100.0 * one.direct_error, one.gain),
-           fmt::format("{:.1f} %, {:.3f}", 100.0 * other.direct_error, other.gain));
-  };
   for (const float factor : {1e-4F, 1e5F}) {
-    expect_alike(fmt::format("scene scaled by {:.0e}", factor),
+    expect_alike(fmt::format("scene scaled by {:.0e}", factor), one,
                  quality(scaled(furnished(), factor), factor, Vec3f::Zero()));
   }
-  const Vec3f far(1e4F, 2e3F, -1e4F);
-  Scene moved = furnished();
-  for (Vec3f& p : moved.positions) p += far;
-  finish(moved);
-  expect_alike("scene of 5 m moved by 10 km, vertices rounded to 1 mm", quality(moved, 1.0F, far));
+}
+
+// Far places.
+
+/// The scene written to a file and loaded again, with its vertices and its node moved.
+Scene through_file(const Scene& scene, const Vec3f& vertices, const Vec3d& node) {
+  testing::GltfWriter writer;
+  for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {
+    std::vector<float> positions;
+    for (const Triangle& triangle : scene.triangles) {
+      if (triangle.material != m) continue;
+      for (const std::uint32_t v : triangle.vertex) {
+        const Vec3f p = scene.positions[v] + vertices;
+        positions.insert(positions.end(), p.data(), p.data() + 3);
+      }
+    }
+    const Vec3f& albedo = scene.materials[m].base_color;
+    const auto material = writer.append(
+        "materials", {{"pbrMetallicRoughness",
+                       {{"baseColorFactor", {albedo.x(), albedo.y(), albedo.z(), 1.0}}}}});
+    writer.add_mesh_node({{"attributes", {{"POSITION", writer.add_accessor(positions, "VEC3")}}},
+                          {"material", material}},
+                         {{"translation", {node.x(), node.y(), node.z()}}});
+  }
+  return writer.load();
+}
+
+TEST(FarPlaces, ThroughANodeNoBitChanges) {
+  const Scene home = through_file(furnished(), Vec3f::Zero(), Vec3d::Zero());
+  const SmallBake one(home);
+  for (const Vec3d& move : {Vec3d(1e5, 2e4, -1e5), Vec3d(1e9, 0, 0)}) {
+    const Scene far = through_file(furnished(), Vec3f::Zero(), move);
+    EXPECT_EQ(far.origin, move);
+    const SmallBake other(far);
+    ASSERT_EQ(one.samples().size(), other.samples().size());
+    std::size_t moved = 0;
+    for (std::size_t s = 0; s < one.samples().size(); ++s) {
+      moved += (one.samples().positions[s] != other.samples().positions[s]) ? 1 : 0;
+    }
+    EXPECT_EQ(moved, 0U);
+    const Vec3f place(0.2F, 0.5F, 0.3F);
+    const SampleIrradiance a = one.light(place);
+    const SampleIrradiance b = other.light(relative_to(far.origin, move + place.cast<double>()));
+    expect_sound(b, "far");
+    EXPECT_LT((a.direct - b.direct).cwiseAbs().maxCoeff(), 1e-5F * a.direct.maxCoeff());
+    EXPECT_LT((a.indirect - b.indirect).cwiseAbs().maxCoeff(), 1e-5F * a.indirect.maxCoeff());
+    record(fmt::format("scene of 5 m moved by {:.0e} m through a node", move.x()),
+           "same samples bit for bit, same light to 1e-5", fmt::format("{} samples moved", moved));
+  }
+}
+
+TEST(FarPlaces, InItsVerticesTheFilesOwnRoundingIsLeft) {
+  const Quality one = quality(furnished(), 1.0F, Vec3f::Zero());
+  for (const float metres : {1e4F, 1e5F}) {
+    const Vec3f move(metres, 0.2F * metres, -metres);
+    const Scene far = through_file(furnished(), move, Vec3d::Zero());
+    ASSERT_FALSE(far.repairs.notes.empty());
+    EXPECT_NE(far.repairs.notes.back().find("good to"), std::string::npos);
+    expect_alike(
+        fmt::format("scene of 5 m stored {:.0e} m from its mesh's origin, vertices good to "
+                    "{:.2g} mm, which is said",
+                    metres, 1e3 * far.vertex_rounding),
+        one, quality(far, 1.0F, relative_to(far.origin, move.cast<double>())));
+  }
 }
 
 // Lights.
