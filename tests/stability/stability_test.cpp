@@ -3,17 +3,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
-
 #include "base/error.h"
 #include "base/random.h"
 #include "bases/depth_basis.h"
 #include "bases/pca.h"
-#include "stability/small_bake.h"
+#include "stability/cases.h"
 #include "statistical/test_scenes.h"
-#include "transport/direct.h"
-#include "unit/scene/gltf_writer.h"
 
 namespace prt {
 namespace {
@@ -22,34 +17,16 @@ using test::add_box;
 using test::add_material;
 using test::add_quad;
 using test::add_triangle;
+using test::box;
+using test::expect_alike;
+using test::expect_sound;
 using test::finish;
+using test::furnished;
+using test::quality;
+using test::Quality;
+using test::record;
 using test::small_options;
 using test::SmallBake;
-
-/// A line of the table in results/stability.md, where PRT_STABILITY_TABLE names a file. After a
-/// failure all further lines of the same test say no.
-void record(const std::string& what, const std::string& expected, const std::string& found) {
-  if (const char* file = std::getenv("PRT_STABILITY_TABLE")) {
-    const bool good = !::testing::Test::HasFailure();
-    std::ofstream(file, std::ios::app)
-        << fmt::format("| {} | {} | {} | {} |\n", what, expected, found, good ? "yes" : "**no**");
-  }
-}
-
-/// Returns the largest irradiance; fails on what no light can be.
-double expect_sound(const SampleIrradiance& irradiance, const std::string& what) {
-  EXPECT_TRUE(irradiance.direct.allFinite()) << what;
-  EXPECT_TRUE(irradiance.indirect.allFinite()) << what;
-  EXPECT_GE(irradiance.direct.minCoeff(), 0.0F) << what;
-  return std::max(irradiance.direct.maxCoeff(), irradiance.indirect.maxCoeff());
-}
-
-Scene box(const Vec3f& size, float albedo) {
-  Scene scene;
-  add_box(scene, -0.5F * size, 0.5F * size, add_material(scene, Vec3f::Constant(albedo)));
-  finish(scene);
-  return scene;
-}
 
 // Albedo.
 
@@ -219,16 +196,6 @@ Scene scaled(Scene scene, float factor) {
   return scene;
 }
 
-Scene furnished() {
-  Scene scene = box({4.0F, 2.5F, 3.0F}, 0.6F);
-  const auto red = add_material(scene, {0.8F, 0.3F, 0.2F});
-  add_box(scene, {0.9F, -0.2F, 0.6F}, {0.3F, -1.25F, 0.1F},
-          red);  // corners swapped: faces outwards
-  add_quad(scene, {-1.5F, -0.6F, -1.0F}, {0, 0, 1.6F}, {1.2F, 0, 0}, red);
-  finish(scene);
-  return scene;
-}
-
 TEST(Scale, ByPowersOfTwoChangesNoBit) {
   OptionValues options = small_options();
   options.set("samples.start", nlohmann::json::array({0.1, 0.9, -0.2}));
@@ -255,120 +222,12 @@ TEST(Scale, ByPowersOfTwoChangesNoBit) {
   }
 }
 
-/// What a bake makes of twelve lights, whatever its unit: relative error of direct light against
-/// exact shadows, and indirect flux over direct flux.
-struct Quality {
-  double direct_error = 0.0;
-  double gain = 0.0;
-};
-
-Quality quality(const Scene& scene, float scale, const Vec3f& offset) {
-  const SmallBake bake(scene);
-  std::vector<Vec3f> lights;
-  for (int i = 0; i < 12; ++i) {
-    const auto at = [&](int k) { return 0.15F * static_cast<float>((i * k) % 7 - 3); };
-    lights.emplace_back(scale * Vec3f(2.5F * at(3), at(5) + 0.4F, 2.0F * at(2)) + offset);
-  }
-  const SampleSet& samples = bake.samples();
-  const MatrixF exact = direct_irradiance(bake.scene(), bake.bake().caster(), samples, 0,
-                                          static_cast<std::uint32_t>(samples.size()), lights, 0.0F);
-  double off = 0.0, power = 0.0, sent = 0.0, received = 0.0;
-  for (std::size_t l = 0; l < lights.size(); ++l) {
-    const SampleIrradiance lit = bake.light(lights[l]);
-    expect_sound(lit, "quality");
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      const auto i = static_cast<Eigen::Index>(s);
-      const double e = exact(static_cast<Eigen::Index>(l), i);
-      off += samples.areas[s] * std::pow(lit.direct(i, 0) - e, 2);
-      power += samples.areas[s] * e * e;
-    }
-    sent += bake.flux(lit.direct);
-    received += bake.flux(lit.indirect);
-  }
-  return {std::sqrt(off / power), received / sent};
-}
-
-/// The quality's own row, beside one that it should be like.
-void expect_alike(const std::string& what, const Quality& one, const Quality& other) {
-  // Other samples are drawn, so neither is the same number.
-  EXPECT_NEAR(other.direct_error, one.direct_error, 0.25 * one.direct_error) << what;
-  EXPECT_NEAR(other.gain, one.gain, 0.02 * one.gain) << what;
-  record(what,
-         fmt::format("direct error {:.1f} % ± a quarter, gain {:.3f} ± 2 %",
-                     100.0 * one.direct_error, one.gain),
-         fmt::format("{:.1f} %, {:.3f}", 100.0 * other.direct_error, other.gain));
-}
-
 TEST(Scale, OtherFactorsChangeLittle) {
   const Quality one = quality(furnished(), 1.0F, Vec3f::Zero());
   EXPECT_LT(one.direct_error, 0.15);
   for (const float factor : {1e-4F, 1e5F}) {
     expect_alike(fmt::format("scene scaled by {:.0e}", factor), one,
                  quality(scaled(furnished(), factor), factor, Vec3f::Zero()));
-  }
-}
-
-// Far places.
-
-/// The scene written to a file and loaded again, with its vertices and its node moved.
-Scene through_file(const Scene& scene, const Vec3f& vertices, const Vec3d& node) {
-  testing::GltfWriter writer;
-  for (std::uint32_t m = 0; m < scene.materials.size(); ++m) {
-    std::vector<float> positions;
-    for (const Triangle& triangle : scene.triangles) {
-      if (triangle.material != m) continue;
-      for (const std::uint32_t v : triangle.vertex) {
-        const Vec3f p = scene.positions[v] + vertices;
-        positions.insert(positions.end(), p.data(), p.data() + 3);
-      }
-    }
-    const Vec3f& albedo = scene.materials[m].base_color;
-    const auto material = writer.append(
-        "materials", {{"pbrMetallicRoughness",
-                       {{"baseColorFactor", {albedo.x(), albedo.y(), albedo.z(), 1.0}}}}});
-    writer.add_mesh_node({{"attributes", {{"POSITION", writer.add_accessor(positions, "VEC3")}}},
-                          {"material", material}},
-                         {{"translation", {node.x(), node.y(), node.z()}}});
-  }
-  return writer.load();
-}
-
-TEST(FarPlaces, ThroughANodeNoBitChanges) {
-  const Scene home = through_file(furnished(), Vec3f::Zero(), Vec3d::Zero());
-  const SmallBake one(home);
-  for (const Vec3d& move : {Vec3d(1e5, 2e4, -1e5), Vec3d(1e9, 0, 0)}) {
-    const Scene far = through_file(furnished(), Vec3f::Zero(), move);
-    EXPECT_EQ(far.origin, move);
-    const SmallBake other(far);
-    ASSERT_EQ(one.samples().size(), other.samples().size());
-    std::size_t moved = 0;
-    for (std::size_t s = 0; s < one.samples().size(); ++s) {
-      moved += (one.samples().positions[s] != other.samples().positions[s]) ? 1 : 0;
-    }
-    EXPECT_EQ(moved, 0U);
-    const Vec3f place(0.2F, 0.5F, 0.3F);
-    const SampleIrradiance a = one.light(place);
-    const SampleIrradiance b = other.light(relative_to(far.origin, move + place.cast<double>()));
-    expect_sound(b, "far");
-    EXPECT_LT((a.direct - b.direct).cwiseAbs().maxCoeff(), 1e-5F * a.direct.maxCoeff());
-    EXPECT_LT((a.indirect - b.indirect).cwiseAbs().maxCoeff(), 1e-5F * a.indirect.maxCoeff());
-    record(fmt::format("scene of 5 m moved by {:.0e} m through a node", move.x()),
-           "same samples bit for bit, same light to 1e-5", fmt::format("{} samples moved", moved));
-  }
-}
-
-TEST(FarPlaces, InItsVerticesTheFilesOwnRoundingIsLeft) {
-  const Quality one = quality(furnished(), 1.0F, Vec3f::Zero());
-  for (const float metres : {1e4F, 1e5F}) {
-    const Vec3f move(metres, 0.2F * metres, -metres);
-    const Scene far = through_file(furnished(), move, Vec3d::Zero());
-    ASSERT_FALSE(far.repairs.notes.empty());
-    EXPECT_NE(far.repairs.notes.back().find("good to"), std::string::npos);
-    expect_alike(
-        fmt::format("scene of 5 m stored {:.0e} m from its mesh's origin, vertices good to "
-                    "{:.2g} mm, which is said",
-                    metres, 1e3 * far.vertex_rounding),
-        one, quality(far, 1.0F, relative_to(far.origin, move.cast<double>())));
   }
 }
 
