@@ -158,9 +158,11 @@ class FarScene : public ::testing::Test {
 };
 
 const json kHome = {0.0, 0.0, 0.0};
-constexpr std::array<double, 3> kLamp = {2.75, 4.5, -2.5};
+/// So fine that at 1e5 m a float would not hold it, and both float and double do at home.
+constexpr double kFine = 0x1p-14;
+constexpr std::array<double, 3> kLamp = {2.75 + kFine, 4.5, -2.5 - kFine};
 const std::vector<std::array<double, 3>> kPoints = {
-    {2.75, 0.0, -2.0}, {1.0, 0.0, -1.0}, {5.0, 0.0, -0.75}};
+    {2.75 + kFine, 0.0, -2.0}, {1.0, 0.0, -1.0}, {5.0, 0.0, -0.75}};
 
 TEST_F(FarScene, MovedThroughANodeAllArtifactsAreTheSame) {
   EXPECT_EQ(artifacts("even"), artifacts("home"));
@@ -173,7 +175,7 @@ TEST_F(FarScene, MovedThroughANodeAllArtifactsAreTheSame) {
 
 TEST_F(FarScene, TheStartOfSamplingIsAPlaceInTheWorld) {
   const auto start = [](const json& move) {
-    return "samples.start=[" + place({2.75, 2.5, -2.5}, move) + "]";
+    return "samples.start=[" + place({2.75 + kFine, 2.5, -2.5}, move) + "]";
   };
   bake("home", "home_start", {"--set", start(kHome), "--set", "evaluate.lights=0"});
   bake("even", "even_start", {"--set", start(kEven), "--set", "evaluate.lights=0"});
@@ -223,7 +225,7 @@ TEST_F(FarScene, PicturesAreTheSame) {
   for (const auto& [bake, move] : {std::pair{"home", kHome}, {"even", kEven}}) {
     const Outcome outcome = run(
         "prt_play", {package(bake), "--light", "point:" + place(kLamp, move) + ":9,8,7", "--camera",
-                     place({2.75, 2.75, 4.0}, move) + "," + place({2.75, 2.5, -2.0}, move) + ",60",
+                     place({2.75 + kFine, 2.75, 4.0}, move) + "," + place({2.75, 2.5, -2.0}, move) + ",60",
                      "--size", "64x48", "--out", file("picture.png")});
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     *picture++ = test::read_text(file("picture.png"));

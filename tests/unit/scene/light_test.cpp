@@ -144,10 +144,10 @@ TEST(Light, SunIsParallel) {
 Light placed(const char* spec) { return parse_light(spec).in(Vec3d::Zero()); }
 
 TEST(LightSpec, PlacesAreTakenToTheSceneInDouble) {
-  // 0.015625 m at 123456 m: in float the two would be one place.
+  // 2^-13 m at 123456 m: in float the two would be one place.
   const Vec3d origin(123456, -65536, 0);
-  EXPECT_EQ(parse_light("point:123456.015625,-65534,3:1,1,1").in(origin).position,
-            Vec3f(0.015625F, 2, 3));
+  EXPECT_EQ(parse_light("point:123456.0001220703125,-65534,3:1,1,1").in(origin).position,
+            Vec3f(0x1p-13F, 2, 3));
   const WorldLight quad = parse_light("quad:123457,0,0:1,0,0:0,0,2:3,3,3");
   EXPECT_EQ(quad.in(origin).position, Vec3f(1, 65536, 0));
   EXPECT_EQ(quad.in(origin).edge_v, Vec3f(0, 0, 2)) << "a length, not a place";
