@@ -5,9 +5,11 @@
 
 /STAGE/TASK is the artifact of one task: a group of datasets, each with `units` and `meaning`, whose
 attributes are what the task measured; texts are UTF-8 bytes, nested values JSON text under
-"json:NAME".
+"json:NAME". Where the scene lies far from the world's origin, all positions are relative to the file's
+own attribute "json:origin".
 """
 import argparse
+import json
 import os
 import sys
 
@@ -39,6 +41,16 @@ def samples_per_cluster(bake):
     begin = bake["samples/samples/cluster_begin"]
     print(f"\n{begin[-1]} samples in {len(begin) - 1} clusters ({begin.attrs['meaning'].decode()}):")
     print(" ".join(str(n) for n in np.diff(begin[...].astype(int))))
+
+
+def origin(bake):
+    """World coordinates, m, of what all positions are relative to."""
+    return np.array(json.loads(bake.attrs["json:origin"])) if "json:origin" in bake.attrs else np.zeros(3)
+
+
+def bounds(bake):
+    positions = bake["samples/samples/position"][...] + origin(bake)
+    print(f"they lie from {positions.min(axis=0)} to {positions.max(axis=0)} m")
 
 
 def error_per_stage(bake):
@@ -79,6 +91,7 @@ def main():
     with h5py.File(index, "r") as bake:
         list_stages(bake)
         samples_per_cluster(bake)
+        bounds(bake)
         error_per_stage(bake)
         show_depth_buffer(bake)
 

@@ -52,8 +52,8 @@ class BakeEvaluator : public BakeErrorMeter {
     return evaluation_work(size, options);
   }
 
-  [[nodiscard]] nlohmann::json error(const Artifact& result) const override {
-    return summarise(result);
+  [[nodiscard]] nlohmann::json error(const Artifact& result, const Vec3d& origin) const override {
+    return summarise(result, origin);
   }
 };
 

@@ -73,12 +73,15 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
                  "write a picture per test light into this folder: error of direct (left) and "
                  "indirect light (right) over its mean, red too bright, blue too dark")
       ->type_name("DIR");
-  app.add_option("--points", words.points, "points x,y,z,nx,ny,nz at which irradiance is asked for")
+  app.add_option(
+         "--points", words.points,
+         "points x,y,z,nx,ny,nz at which irradiance is asked for, in the scene file's world, m")
       ->type_name("FILE.csv");
   app.add_option("--light", words.lights,
                  "a light: point:x,y,z:r,g,b | sphere:x,y,z:r,g,b:radius | "
                  "spot:x,y,z:dx,dy,dz:r,g,b:inner_deg,outer_deg | "
-                 "quad:cx,cy,cz:ux,uy,uz:vx,vy,vz:r,g,b | sun:dx,dy,dz:r,g,b")
+                 "quad:cx,cy,cz:ux,uy,uz:vx,vy,vz:r,g,b | sun:dx,dy,dz:r,g,b; places in the scene "
+                 "file's world, m")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("SPEC");

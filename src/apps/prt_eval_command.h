@@ -25,7 +25,7 @@ struct EvalCommand {
   std::filesystem::path json;      ///< kError; empty: print a table
   std::filesystem::path pictures;  ///< kError; folder for an error picture per light; empty: none
   std::filesystem::path points;    ///< CSV in
-  std::vector<Light> point_lights;
+  std::vector<WorldLight> point_lights;
   std::filesystem::path output;  ///< CSV out
 };
 

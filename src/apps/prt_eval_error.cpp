@@ -228,6 +228,7 @@ void report_package_error(const EvalCommand& command) {
   settings.clearance = command.clearance.value_or(light_clearance(package.samples, kTestClearance));
   const Measured measured = measure(package, settings, command.lights, command.pictures);
   json report = error_report(measured.lights);
+  place_in_world(report, package.scene.origin);
   report["seed"] = command.seed;
   report["spp"] = command.paths;
   report["points"] = settings.points;

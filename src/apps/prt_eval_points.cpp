@@ -24,12 +24,16 @@ void check_finite(const Vec3f& direct, const Vec3f& indirect, std::size_t point)
 }
 
 std::vector<PointIrradiance> played(const EvalCommand& command,
-                                    const std::vector<ReceiverPoint>& points) {
+                                    const std::vector<WorldPoint>& points) {
   const Package package = read_package(command.input);
+  const Vec3d& origin = package.scene.origin;
   const Evaluator player(package);
   std::vector<PlayPoint> asked;
-  for (const ReceiverPoint& p : points) asked.push_back({p.position, p.normal, p.normal});
-  const auto light = player.reconstruct(player.evaluate(command.point_lights), asked);
+  for (const ReceiverPoint& p : points_in(origin, points)) {
+    asked.push_back({p.position, p.normal, p.normal});
+  }
+  const auto light =
+      player.reconstruct(player.evaluate(lights_in(origin, command.point_lights)), asked);
   std::vector<PointIrradiance> values;
   std::size_t unreached = 0;
   for (std::size_t i = 0; i < light.size(); ++i) {
@@ -50,11 +54,12 @@ std::vector<PointIrradiance> played(const EvalCommand& command,
 }
 
 std::vector<PointIrradiance> traced(const EvalCommand& command,
-                                    const std::vector<ReceiverPoint>& points) {
+                                    const std::vector<WorldPoint>& points) {
   const Scene scene = load_scene(command.input);
   const auto caster = make_embree_ray_caster(scene);
   const auto estimates =
-      trace_in_parallel(scene, *caster, command.point_lights, points, {.paths = command.paths},
+      trace_in_parallel(scene, *caster, lights_in(scene.origin, command.point_lights),
+                        points_in(scene.origin, points), {.paths = command.paths},
                         stream_key(command.seed, "reference at points"), 0, [] {});
   std::vector<PointIrradiance> values;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -67,7 +72,7 @@ std::vector<PointIrradiance> traced(const EvalCommand& command,
 }  // namespace
 
 void evaluate_points(const EvalCommand& command) {
-  const std::vector<ReceiverPoint> points = read_points_csv(command.points);
+  const std::vector<WorldPoint> points = read_points_csv(command.points);
   const bool play = command.form == EvalCommand::Form::kPlayPoints;
   write_points_csv(command.output, points,
                    play ? played(command, points) : traced(command, points));

@@ -44,8 +44,9 @@ struct Session {
       : command(c),
         package(read_package(c.package)),
         evaluator(package, {.area_samples = c.area_samples, .threads = 0}),
-        lights(c.lights.empty() ? std::vector{default_light(evaluator)} : c.lights),
-        camera(c.camera ? *c.camera : default_camera(evaluator)) {}
+        lights(c.lights.empty() ? std::vector{default_light(evaluator)}
+                                : lights_in(package.scene.origin, c.lights)),
+        camera(c.camera ? c.camera->in(package.scene.origin) : default_camera(evaluator)) {}
 };
 
 nlohmann::json describe(const Session& session) {

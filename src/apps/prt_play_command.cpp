@@ -36,15 +36,13 @@ bool split(const std::string& text, char separator, std::array<T, N>& values) {
   return at == end;
 }
 
-SceneCamera parse_camera(const std::string& text) {
-  std::array<float, 7> n{};
+WorldCamera parse_camera(const std::string& text) {
+  std::array<double, 7> n{};
   bool sound = split(text, ',', n);
-  for (const float v : n) sound = sound && std::isfinite(v);
-  SceneCamera camera;
-  camera.eye = Vec3f(n[0], n[1], n[2]);
-  camera.target = Vec3f(n[3], n[4], n[5]);
-  camera.vertical_fov = n[6] * kPi / 180.0F;
-  if (!sound || !(n[6] > 0.0F && n[6] < 170.0F) || camera.eye == camera.target) {
+  for (const double v : n) sound = sound && std::isfinite(static_cast<float>(v));
+  const WorldCamera camera{
+      {n[0], n[1], n[2]}, {n[3], n[4], n[5]}, static_cast<float>(n[6]) * kPi / 180.0F};
+  if (!sound || !(n[6] > 0.0 && n[6] < 170.0) || camera.eye == camera.target) {
     throw UserError(
         fmt::format("--camera {}: should be ex,ey,ez,tx,ty,tz,fov: eye and target (m, not the same "
                     "point) and the vertical field of view (degrees, below 170)",
@@ -86,16 +84,17 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
                  "a light: point:x,y,z:r,g,b | sphere:x,y,z:r,g,b:radius | "
                  "spot:x,y,z:dx,dy,dz:r,g,b:inner_deg,outer_deg | "
                  "quad:cx,cy,cz:ux,uy,uz:vx,vy,vz:r,g,b | sun:dx,dy,dz:r,g,b; W/sr, quad "
-                 "W/(m² sr), sun W/m² (default: the scene's first light, else one that is seen "
-                 "from most places)")
+                 "W/(m² sr), sun W/m²; places in the scene file's world, m (default: the scene's "
+                 "first light, else one that is seen from most places)")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("SPEC");
   app.add_option("--env", words.environment, "environment (not built into this program)")
       ->type_name("FILE.hdr|.exr");
-  app.add_option("--camera", words.camera,
-                 "eye and target (m) and vertical field of view (degrees) (default: the scene's "
-                 "camera, else a view of the sampled space)")
+  app.add_option(
+         "--camera", words.camera,
+         "eye and target (m, in the scene file's world) and vertical field of view (degrees) "
+         "(default: the scene's camera, else a view of the sampled space)")
       ->type_name("ex,ey,ez,tx,ty,tz,fov");
   app.add_option("--size", words.size, "pixels of the picture")->type_name("WxH");
   app.add_option("--show", words.show, "what the picture shows")
@@ -116,6 +115,19 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
 }
 
 }  // namespace
+
+SceneCamera WorldCamera::in(const Vec3d& origin) const {
+  SceneCamera camera;
+  camera.eye = relative_to(origin, eye);
+  camera.target = relative_to(origin, target);
+  camera.vertical_fov = vertical_fov;
+  if (camera.eye == camera.target) {
+    throw UserError(
+        "--camera: so far from the scene, eye and target are one point in float; move the target "
+        "away from the eye");
+  }
+  return camera;
+}
 
 std::optional<PlayCommand> parse_play_command(int argc, char** argv, std::string& message) {
   PlayCommand command;

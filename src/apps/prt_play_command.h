@@ -10,10 +10,18 @@
 
 namespace prt {
 
+/// A camera as a user types it.
+struct WorldCamera {
+  Vec3d eye, target;          ///< m, world
+  float vertical_fov = 0.0F;  ///< radians
+  /// In a scene of that origin. Throws UserError where float cannot tell eye and target apart.
+  [[nodiscard]] SceneCamera in(const Vec3d& origin) const;
+};
+
 struct PlayCommand {
   std::string package;
-  std::vector<Light> lights;  ///< none given: the player chooses
-  std::optional<SceneCamera> camera;
+  std::vector<WorldLight> lights;  ///< none given: the player chooses
+  std::optional<WorldCamera> camera;
   PictureSettings picture;
   int area_samples = 25;
   std::string out;             ///< .png; empty: no picture is kept

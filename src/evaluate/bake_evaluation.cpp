@@ -210,8 +210,10 @@ Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader, const Pack
   return out;
 }
 
-nlohmann::json summarise(const Artifact& evaluate) {
-  return evaluate.attribute<nlohmann::json>("error");
+nlohmann::json summarise(const Artifact& evaluate, const Vec3d& origin) {
+  auto error = evaluate.attribute<nlohmann::json>("error");
+  place_in_world(error, origin);
+  return error;
 }
 
 }  // namespace prt

@@ -34,7 +34,8 @@ Artifact run_reference(const TaskSpec& task, const TaskReader& reader);
 Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader, const Package& package);
 
 /// Error JSON as in prt_eval --json, for Package::error and the report: the keys of design §3 but
-/// for package_bytes, bake_seconds and play_ms. `evaluate` is the artifact of the "evaluate" task.
-nlohmann::json summarise(const Artifact& evaluate);
+/// for package_bytes, bake_seconds and play_ms. `evaluate` is the artifact of the "evaluate" task,
+/// in a scene of that origin; the JSON is in the world.
+nlohmann::json summarise(const Artifact& evaluate, const Vec3d& origin);
 
 }  // namespace prt

@@ -196,4 +196,14 @@ nlohmann::json error_report(std::span<const LightErrors> lights) {
   return report;
 }
 
+void place_in_world(nlohmann::json& report, const Vec3d& origin) {
+  if (origin == Vec3d::Zero()) return;
+  for (const char* part : {"direct", "indirect"}) {
+    nlohmann::json& worst = report[part]["worst_light"];
+    if (worst.is_null()) continue;
+    nlohmann::json& position = worst["position"];
+    for (int c = 0; c < 3; ++c) position[c] = position[c].get<double>() + origin[c];
+  }
+}
+
 }  // namespace prt

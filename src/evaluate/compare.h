@@ -34,4 +34,7 @@ LightErrors compare(const Evaluator& player, const LightReference& reference);
 /// lights.
 nlohmann::json error_report(std::span<const LightErrors> lights);
 
+/// Takes the positions in an error report from a scene of that origin to the world.
+void place_in_world(nlohmann::json& report, const Vec3d& origin);
+
 }  // namespace prt

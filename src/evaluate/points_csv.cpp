@@ -25,16 +25,18 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-std::optional<float> finite_number(std::string_view text) {
-  float value = 0.0F;
+/// Finite as a float, too.
+std::optional<double> finite_number(std::string_view text) {
+  double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+  if (error != std::errc() || end != text.data() + text.size()) return {};
+  if (!std::isfinite(static_cast<float>(value))) return {};
   return value;
 }
 
 /// Why a line is no point, or nothing.
-std::optional<std::string> parse_point(std::string_view line, ReceiverPoint& point) {
-  std::array<float, 6> values{};
+std::optional<std::string> parse_point(std::string_view line, WorldPoint& point) {
+  std::array<double, 6> values{};
   std::size_t column = 0;
   for (bool more = true; more; ++column) {
     const auto comma = line.find(',');
@@ -50,23 +52,23 @@ std::optional<std::string> parse_point(std::string_view line, ReceiverPoint& poi
   if (column != values.size()) return fmt::format("{} columns instead of 6 ({})", column, kHeader);
   const Vec3d normal(values[3], values[4], values[5]);
   if (!(normal.norm() > 0.0)) return std::string("the normal is zero");
-  point = {Vec3f(values[0], values[1], values[2]), normal.normalized().cast<float>()};
+  point = {Vec3d(values[0], values[1], values[2]), normal.normalized().cast<float>()};
   return std::nullopt;
 }
 
 }  // namespace
 
-std::vector<ReceiverPoint> read_points_csv(const std::filesystem::path& file) {
+std::vector<WorldPoint> read_points_csv(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw UserError(fmt::format("{}: cannot be read; is the path right?", file.string()));
   std::string line;
   if (!std::getline(in, line) || trimmed(line) != kHeader) {
     throw UserError(fmt::format("{}:1: the first line must be '{}'", file.string(), kHeader));
   }
-  std::vector<ReceiverPoint> points;
+  std::vector<WorldPoint> points;
   for (std::size_t number = 2; std::getline(in, line); ++number) {
     if (trimmed(line).empty()) continue;
-    ReceiverPoint point;
+    WorldPoint point;
     if (const auto wrong = parse_point(line, point)) {
       throw UserError(fmt::format("{}:{}: {}", file.string(), number, *wrong));
     }
@@ -80,7 +82,14 @@ std::vector<ReceiverPoint> read_points_csv(const std::filesystem::path& file) {
   return points;
 }
 
-void write_points_csv(const std::filesystem::path& file, std::span<const ReceiverPoint> points,
+std::vector<ReceiverPoint> points_in(const Vec3d& origin, std::span<const WorldPoint> points) {
+  std::vector<ReceiverPoint> placed;
+  placed.reserve(points.size());
+  for (const WorldPoint& p : points) placed.push_back({relative_to(origin, p.position), p.normal});
+  return placed;
+}
+
+void write_points_csv(const std::filesystem::path& file, std::span<const WorldPoint> points,
                       std::span<const PointIrradiance> values) {
   assert(points.size() == values.size());
   std::string text =
@@ -89,11 +98,12 @@ void write_points_csv(const std::filesystem::path& file, std::span<const Receive
     return std::isnan(v) ? std::string("nan") : fmt::format("{:.9g}", v);
   };
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3f rows[] = {points[i].position, points[i].normal, values[i].direct,
-                          values[i].indirect};
-    for (int r = 0; r < 4; ++r) {
-      for (int c = 0; c < 3; ++c) text += cell(rows[r][c]) + (r == 3 && c == 2 ? "\n" : ",");
+    const Vec3d& p = points[i].position;
+    text += fmt::format("{},{},{}", p.x(), p.y(), p.z());
+    for (const Vec3f& triple : {points[i].normal, values[i].direct, values[i].indirect}) {
+      for (int c = 0; c < 3; ++c) text += "," + cell(triple[c]);
     }
+    text += '\n';
   }
   write_file_atomically(file, std::as_bytes(std::span(text)));
 }

@@ -9,10 +9,19 @@
 
 namespace prt {
 
+/// A point as users write it.
+struct WorldPoint {
+  Vec3d position;  ///< m, world
+  Vec3f normal;    ///< unit
+};
+
 /// Reads `x,y,z,nx,ny,nz` (exactly this header; m; normals are made unit). Throws UserError with
 /// file and line: missing file, another header, wrong number of columns, not a finite number, zero
 /// normal, no points.
-std::vector<ReceiverPoint> read_points_csv(const std::filesystem::path& file);
+std::vector<WorldPoint> read_points_csv(const std::filesystem::path& file);
+
+/// The points in a scene of that origin.
+std::vector<ReceiverPoint> points_in(const Vec3d& origin, std::span<const WorldPoint> points);
 
 /// Irradiance at a point, W/m², unclamped; NaN where it is not known.
 struct PointIrradiance {
@@ -20,10 +29,10 @@ struct PointIrradiance {
   Vec3f indirect = Vec3f::Zero();
 };
 
-/// Writes the points with direct_r … indirect_b; values have 9 significant digits, so that they
-/// read back exactly; unknown ones are `nan`. The file gets its name only when it is whole. Throws
-/// UserError if it cannot be written.
-void write_points_csv(const std::filesystem::path& file, std::span<const ReceiverPoint> points,
+/// Writes the points, where they were read, with direct_r … indirect_b; all numbers have so many
+/// digits that they read back exactly; unknown ones are `nan`. The file gets its name only when it
+/// is whole. Throws UserError if it cannot be written.
+void write_points_csv(const std::filesystem::path& file, std::span<const WorldPoint> points,
                       std::span<const PointIrradiance> values);
 
 }  // namespace prt

@@ -137,7 +137,9 @@ std::vector<OptionSpec> shared_options() {
        0,
        {},
        "m",
-       "point inside the scene where sampling starts; auto: the scene's camera, else searched for",
+       "point inside the scene, in the file's world, where sampling starts; auto: the scene's "
+       "camera, "
+       "else searched for",
        lb + "§4.1"},
       {"rays.directions",
        Type::kInteger,

@@ -11,6 +11,8 @@ inline constexpr const char* kExtension = "PRT_light_transfer";
 /// Raised whenever an older reader would misunderstand the file.
 inline constexpr std::uint64_t kFormatVersion = 1;
 
+/// Scene::origin, left out where it is zero.
+inline constexpr const char* kOrigin = "origin";
 inline constexpr const char* kSampleIrradiance = "sample_irradiance";
 inline constexpr const char* kClusterCoefficients = "cluster_coefficients";
 inline constexpr const char* kClusterProjection = "cluster_projection";

@@ -193,13 +193,25 @@ Value find_extension(const Document& document) {
   return *extension;
 }
 
+/// Where the positions of samples, and so of the scene, are counted from.
+Vec3d read_origin(const Value& extension) {
+  const auto json = extension.find(kOrigin);
+  if (!json) return Vec3d::Zero();
+  const std::vector<double> xyz = json->numbers(3);
+  const Vec3d origin(xyz[0], xyz[1], xyz[2]);
+  if (origin.cwiseAbs().maxCoeff() > kFarthestCoordinate) {
+    json->fail(fmt::format("it lies beyond {} m", kFarthestCoordinate));
+  }
+  return origin;
+}
+
 }  // namespace
 
 Package read_package(const std::filesystem::path& file) {
   Package package;
   const Document document(file);
   const Value extension = find_extension(document);
-  package.scene = load_scene(file);
+  package.scene = load_scene_about(file, read_origin(extension));
   if (extension["triangles"].whole() != package.scene.triangles.size()) {
     extension["triangles"].fail(fmt::format("{} triangles were read; the geometry was changed",
                                             package.scene.triangles.size()));

@@ -21,7 +21,10 @@ constexpr int kRepeat = 10497;
 /// The largest vertex count whose indices fit 16 bits: 65535 itself restarts a strip.
 constexpr std::size_t kShortIndexVertices = 65535;
 
-json numbers(const Vec3f& v) { return {v.x(), v.y(), v.z()}; }
+template <typename Vector>
+json numbers(const Vector& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
 int wrap_mode(Texture::Wrap wrap) {
   switch (wrap) {
@@ -218,6 +221,10 @@ std::vector<std::uint32_t> export_scene(const Scene& scene, GltfWriter& writer) 
   if (!scene.lights.empty()) root["extensionsUsed"].push_back("KHR_lights_punctual");
   json nodes = json::array();
   for (std::size_t n = 0; n < root["nodes"].size(); ++n) nodes.push_back(n);
+  if (scene.recentred()) {
+    root["nodes"].push_back({{"translation", numbers(scene.origin)}, {"children", nodes}});
+    nodes = json::array({root["nodes"].size() - 1});
+  }
   root["scenes"].push_back({{"nodes", std::move(nodes)}});
   root["scene"] = 0;
 

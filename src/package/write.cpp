@@ -152,6 +152,10 @@ json write_extension(const Package& package, const std::vector<std::uint32_t>& n
                     {"program", json::array()},
                     {"provenance", package.provenance},
                     {"error", package.error}};
+  if (package.scene.recentred()) {
+    const Vec3d& o = package.scene.origin;
+    extension[kOrigin] = {o.x(), o.y(), o.z()};
+  }
   if (package.visibility) extension["visibility"] = write_visibility(*package.visibility, writer);
   for (const auto& [name, op] : package.operators) {
     extension["operators"][name] =

@@ -6,16 +6,13 @@
 #include "scene/gltf_document.h"
 #include "scene/gltf_material.h"
 #include "scene/gltf_nodes.h"
+#include "scene/gltf_primitive.h"
 #include "scene/scene.h"
-
-namespace tinygltf {
-struct Primitive;
-}
 
 namespace prt::gltf {
 
 /// Appends the mesh of a node to a scene, primitive by primitive; every triangle primitive becomes
-/// one surface. Keeps the counts of scene.repairs.
+/// one surface. Keeps the counts of scene.repairs. What measure_extent() refuses never comes here.
 class MeshLoader {
  public:
   MeshLoader(const Document& document, const std::vector<TextureCoordinates>& coordinates,
@@ -28,13 +25,13 @@ class MeshLoader {
   void add_notes();
 
  private:
-  struct Primitive;
-  void add_primitive(const WorldNode& node, const tinygltf::Primitive& from, const Value& json);
+  struct Instance;
+  void add_primitive(const WorldNode& node, const MeshPrimitive& given);
   void keep_sound_triangles(Primitive& primitive);
-  void emit_shared(const Primitive& primitive, const WorldNode& node);
-  void emit_flat(const Primitive& primitive);
+  void emit_shared(const Instance& instance, const WorldNode& node);
+  void emit_flat(const Instance& instance);
   std::uint32_t default_material();
-  Vec2f texture_coordinate(const Primitive& primitive, std::uint32_t vertex);
+  Vec2f texture_coordinate(const Instance& instance, std::uint32_t vertex);
 
   const Document& document_;
   const std::vector<TextureCoordinates>& coordinates_;

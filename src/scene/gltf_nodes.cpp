@@ -48,16 +48,18 @@ bool WorldNode::singular() const {
   return !to_world.allFinite() || !(std::abs(m.determinant()) > kSingular * scale);
 }
 
-std::vector<WorldNode> world_nodes(const Document& document) {
+std::vector<WorldNode> world_nodes(const Document& document, const Vec3d& origin) {
   const tinygltf::Model& model = document.model();
   struct Pending {
     int node;
     Eigen::Matrix4d parent_to_world;
   };
+  Eigen::Matrix4d about_origin = Eigen::Matrix4d::Identity();
+  about_origin.topRightCorner<3, 1>() = -origin;
   std::vector<Pending> stack;
   const std::vector<int> roots = scene_roots(model);
   for (auto node = roots.rbegin(); node != roots.rend(); ++node) {
-    stack.push_back({*node, Eigen::Matrix4d::Identity()});
+    stack.push_back({*node, about_origin});
   }
   std::vector<WorldNode> nodes;
   while (!stack.empty()) {

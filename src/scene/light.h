@@ -1,8 +1,10 @@
 // Lights as the user gives them, shared by the path tracer and the players.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/types.h"
 
@@ -35,8 +37,18 @@ IncidentLight incident_light(const Light& light, const Vec3f& p, float u, float 
 /// True if one sample is the whole answer (kPoint, kSpot, kSun).
 bool is_punctual(const Light& light);
 
+/// A light as a user types it: its place is in the world.
+struct WorldLight {
+  Light light;                                        ///< all but its position
+  Vec3d position = Vec3d::Zero();                     ///< centre, m, world (not kSun)
+  [[nodiscard]] Light in(const Vec3d& origin) const;  ///< in a scene of that origin
+};
+
 /// Parses a light SPEC of the command line, e.g. "point:0,2,0:10,10,10" (the forms are those of
 /// --help). Throws UserError with the form expected.
-Light parse_light(std::string_view spec);
+WorldLight parse_light(std::string_view spec);
+
+/// All of them in a scene of that origin.
+std::vector<Light> lights_in(const Vec3d& origin, std::span<const WorldLight> lights);
 
 }  // namespace prt

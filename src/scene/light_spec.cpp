@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scene/light.h"
+#include "scene/scene.h"
 
 namespace prt {
 namespace {
@@ -62,18 +63,19 @@ class Spec {
   }
 
   [[nodiscard]] Light::Kind kind() const { return form_->kind; }
-  [[nodiscard]] Vec3f vector(std::size_t field) const {
+  [[nodiscard]] Vec3d place(std::size_t field) const {
     return {fields_[field][0], fields_[field][1], fields_[field][2]};
   }
+  [[nodiscard]] Vec3f vector(std::size_t field) const { return place(field).cast<float>(); }
   [[nodiscard]] float number(std::size_t field, std::size_t index = 0) const {
-    return fields_[field][index];
+    return static_cast<float>(fields_[field][index]);
   }
   [[nodiscard]] Vec3f colour(std::size_t field) const {
     if (vector(field).minCoeff() < 0.0F) fail("r,g,b must not be negative");
     return vector(field);
   }
   [[nodiscard]] Vec3f unit_direction(std::size_t field) const {
-    const Eigen::Vector3d direction = vector(field).cast<double>();
+    const Vec3d direction = vector(field).cast<double>();
     if (direction.isZero(0.0)) fail("the direction must not be zero");
     return direction.normalized().cast<float>();
   }
@@ -84,16 +86,17 @@ class Spec {
   }
 
  private:
-  [[nodiscard]] std::vector<float> numbers(std::string_view text, std::size_t count) const {
+  [[nodiscard]] std::vector<double> numbers(std::string_view text, std::size_t count) const {
     const std::vector<std::string_view> parts = split(text, ',');
     if (parts.size() != count) {
       fail(fmt::format("'{}' should be {} numbers separated by commas", text, count));
     }
-    std::vector<float> values;
+    std::vector<double> values;
     for (const std::string_view part : parts) {
-      float value = 0.0F;
+      double value = 0.0;
       const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-      if (error != std::errc() || end != part.data() + part.size() || !std::isfinite(value)) {
+      if (error != std::errc() || end != part.data() + part.size() ||
+          !std::isfinite(static_cast<float>(value))) {
         fail(fmt::format("'{}' is not a finite number", part));
       }
       values.push_back(value);
@@ -103,7 +106,7 @@ class Spec {
 
   std::string spec_;
   const Form* form_ = nullptr;
-  std::vector<std::vector<float>> fields_;
+  std::vector<std::vector<double>> fields_;
 };
 
 void read_spot(const Spec& spec, Light& light) {
@@ -131,11 +134,18 @@ void read_quad(const Spec& spec, Light& light) {
 
 }  // namespace
 
-Light parse_light(std::string_view text) {
+Light WorldLight::in(const Vec3d& origin) const {
+  Light moved = light;
+  if (light.kind != Light::Kind::kSun) moved.position = relative_to(origin, position);
+  return moved;
+}
+
+WorldLight parse_light(std::string_view text) {
   const Spec spec(text);
-  Light light;
+  WorldLight parsed;
+  Light& light = parsed.light;
   light.kind = spec.kind();
-  if (light.kind != Light::Kind::kSun) light.position = spec.vector(0);
+  if (light.kind != Light::Kind::kSun) parsed.position = spec.place(0);
   switch (light.kind) {
     case Light::Kind::kPoint:
       light.intensity = spec.colour(1);
@@ -156,7 +166,14 @@ Light parse_light(std::string_view text) {
       light.intensity = spec.colour(1);
       break;
   }
-  return light;
+  return parsed;
+}
+
+std::vector<Light> lights_in(const Vec3d& origin, std::span<const WorldLight> lights) {
+  std::vector<Light> placed;
+  placed.reserve(lights.size());
+  for (const WorldLight& light : lights) placed.push_back(light.in(origin));
+  return placed;
 }
 
 }  // namespace prt

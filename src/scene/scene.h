@@ -1,4 +1,4 @@
-// The static scene as light transport sees it: one list of world-space triangles with Lambert
+// The static scene as light transport sees it: one list of triangles in one frame with Lambert
 // materials, made from a glTF 2.0 file (scene/load.h).
 #pragma once
 
@@ -72,7 +72,13 @@ struct RepairReport {
 };
 
 struct Scene {
-  std::vector<Vec3f> positions;  ///< world space
+  /// Where (0, 0, 0) of all coordinates here lies in the world, m. Zero unless the scene lies so
+  /// far out that float would be coarse there (load_scene); axes are the world's. What users type
+  /// and read is in the world: relative_to() takes it here.
+  Vec3d origin = Vec3d::Zero();
+  [[nodiscard]] bool recentred() const { return origin != Vec3d::Zero(); }
+
+  std::vector<Vec3f> positions;  ///< m
   std::vector<Vec3f> normals;    ///< unit shading normals, one per position
   std::vector<Vec2f> uvs;        ///< one per position; zero where the file has none
   std::vector<Triangle> triangles;
@@ -81,6 +87,8 @@ struct Scene {
   std::vector<SceneLight> lights;
   std::optional<SceneCamera> camera;  ///< the file's first camera
   RepairReport repairs;
+  double vertex_rounding =
+      0.0;  ///< m: what vertices may be off by the file's own float coordinates
 
   /// Three separate content hashes, so that a changed albedo leaves ray casts valid.
   Digest geometry_hash;   ///< positions, triangles, curvature-relevant normals, alpha masks (uv and
@@ -93,6 +101,12 @@ struct Scene {
   /// Length of the bounding box's diagonal: no distance in the scene is longer.
   [[nodiscard]] float diagonal() const { return (bounds_max - bounds_min).norm(); }
 };
+
+/// A place in the world as a place in a scene of that origin (Scene::origin): the difference of
+/// large numbers is taken in double. Metres.
+inline Vec3f relative_to(const Vec3d& origin, const Vec3d& world) {
+  return (world - origin).cast<float>();
+}
 
 /// A ray; direction is unit, so that t is a distance in metres.
 struct Ray {

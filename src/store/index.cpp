@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "store/bake_folder.h"
+#include "store/hdf5_attributes.h"
 #include "store/hdf5_memory.h"
 #include "store/seal.h"
 
@@ -40,7 +41,7 @@ std::string index_path(const IndexEntry& entry) {
 }
 
 void write_index(FileSystem& fs, const FileSystem::Path& bake_dir,
-                 std::span<const IndexEntry> entries) {
+                 std::span<const IndexEntry> entries, const nlohmann::json& attributes) {
   std::map<std::string, std::map<std::string, std::string>> key_of_link_of_stage;
   for (const IndexEntry& entry : entries) {
     key_of_link_of_stage[entry.kind][link_name(entry)] = entry.key.hex();
@@ -49,6 +50,9 @@ void write_index(FileSystem& fs, const FileSystem::Path& bake_dir,
   {
     const hdf5::Session session;
     hdf5::MemoryFile file(1 << 20);
+    for (const auto& [name, value] : attributes.items()) {
+      hdf5::write_attribute(file.id(), name, value);
+    }
     for (const auto& [stage, key_of_link] : key_of_link_of_stage) {
       const hdf5::Handle group = hdf5::require_group(file.id(), stage);
       for (const auto& [link, key] : key_of_link) {

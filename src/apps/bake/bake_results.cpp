@@ -83,7 +83,7 @@ class Results {
     if (facts_.program.evaluator && !plan_.evaluation_results.empty()) {
       const auto evaluated = result_(plan_.evaluation_results.front());
       if (evaluated) {
-        package.error = facts_.program.evaluator->error(*evaluated);
+        package.error = facts_.program.evaluator->error(*evaluated, facts_.scene.origin);
         error_of_light_ = errors_of_lights(*evaluated);
       }
     }
@@ -105,7 +105,9 @@ class Results {
       if (folder_.store().bytes(task.stage, task.key) == 0) continue;  // let go
       entries.push_back({task.task.substr(plan_.prefix.size()), task.stage, task.key});
     }
-    write_index(fs_, folder_.path(), entries);
+    nlohmann::json attributes = nlohmann::json::object();
+    if (facts_.scene.recentred()) attributes["origin"] = origin_of(facts_.scene);
+    write_index(fs_, folder_.path(), entries, attributes);
   }
 
   void write_report() {

@@ -21,8 +21,8 @@ class BakeErrorMeter {
   [[nodiscard]] virtual std::vector<StageWork> work(const BakeSize& size,
                                                     const OptionValues& options) const = 0;
   /// The error of the bake, as it goes into package and report, from the artifact of its last task
-  /// (Plan::results).
-  [[nodiscard]] virtual nlohmann::json error(const Artifact& result) const = 0;
+  /// (Plan::results). Positions in it are in the world of a scene of that origin.
+  [[nodiscard]] virtual nlohmann::json error(const Artifact& result, const Vec3d& origin) const = 0;
 };
 
 }  // namespace prt

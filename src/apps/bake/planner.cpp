@@ -98,7 +98,7 @@ BakePlan Planner::plan_for(const AccuracyGoal& goal, const FindResult& find) {
     const auto judged = plan.all.complete ? read(plan.evaluation_results.front(), find) : nullptr;
     plan.all.complete = judged != nullptr;
     if (!judged) return plan;
-    const nlohmann::json error = program_.evaluator->error(*judged);
+    const nlohmann::json error = program_.evaluator->error(*judged, scene_.origin);
     levels.push_back(describe_level(level, plan.options, error));
     const double excess = goal.excess(error);
     const int next = next_level(method_, level, excess);

@@ -83,6 +83,8 @@ json describe_stages(const Plan& plan, const History& history, const BakePredict
 
 json describe_scene(const BakeConfig& config, const Scene& scene) {
   return {{"file", config.scene.string()},
+          {"origin", origin_of(scene)},
+          {"vertex_rounding", scene.vertex_rounding},
           {"triangles", scene.triangles.size()},
           {"materials", scene.materials.size()},
           {"textures", scene.textures.size()},
@@ -94,6 +96,10 @@ json describe_scene(const BakeConfig& config, const Scene& scene) {
 }
 
 }  // namespace
+
+json origin_of(const Scene& scene) {
+  return {scene.origin.x(), scene.origin.y(), scene.origin.z()};
+}
 
 json make_report(const ReportFacts& facts, const History& history) {
   json options = json::object();

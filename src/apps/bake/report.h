@@ -35,6 +35,9 @@ struct ReportFacts {
   nlohmann::json survey;                       ///< survey_scene(); null where there is none
 };
 
+/// [x, y, z] of Scene::origin, m.
+nlohmann::json origin_of(const Scene& scene);
+
 nlohmann::json make_report(const ReportFacts& facts, const History& history);
 
 /// A self-contained page that shows the same, with pictures, and with `budget` (rows of what finer

@@ -287,6 +287,15 @@ std::string error_section(const json& report) {
          light_strip(member(report, {"error_of_light"})) + folded("every figure", facts(error));
 }
 
+/// What was mended, left out or moved while loading.
+std::string scene_notes(const json& report) {
+  std::string out;
+  for (const json& note : member(report, {"scene", "repair_notes"})) {
+    out += "<p class=sub>scene: " + text_of(note) + "</p>\n";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string report_page(const json& report, const std::vector<ReportPicture>& pictures,
@@ -299,7 +308,7 @@ std::string report_page(const json& report, const std::vector<ReportPicture>& pi
       title + "</title><style>" + kStyle + "</style></head><body>\n<h1>" + title +
       "</h1>\n<p class=sub>" + text_of(report["scene"]["file"]) + " · method " +
       text_of(report["method"]) + " · " + text_of(report["scene"]["repairs"]) + " repairs</p>\n" +
-      cards(report);
+      scene_notes(report) + cards(report);
   if (!pictures.empty()) page += "<h2>What was baked</h2>\n" + gallery(pictures);
   page += "<h2>How wrong it is</h2>\n" + error_section(report);
   if (budget.is_object()) page += "<h2>Where the error comes from</h2>\n" + budget_table(budget);

@@ -55,6 +55,14 @@ std::size_t wanted_samples(const PlanInputs& inputs) {
       std::clamp(kSamplesPerSquareRadius * 2.0 * area / (spacing * spacing), 1.0, 2e7));
 }
 
+/// samples.start is a place in the world.
+nlohmann::json start_in_scene(const nlohmann::json& start, const Scene& scene) {
+  if (!scene.recentred()) return start;
+  const auto world = start.get<std::array<double, 3>>();
+  const Vec3d place = Vec3d(world[0], world[1], world[2]) - scene.origin;
+  return {place.x(), place.y(), place.z()};
+}
+
 TaskSpec start_task(const PlanInputs& inputs) {
   TaskSpec spec = task("start", "start", 4);
   spec.scene_parts = kGeometry;
@@ -62,7 +70,7 @@ TaskSpec start_task(const PlanInputs& inputs) {
   const auto& options = inputs.options();
   spec.parameters["seed"] = options.get<std::uint64_t>("seed");
   if (!options.is_auto("samples.start")) {
-    spec.parameters["start"] = options.at("samples.start");
+    spec.parameters["start"] = start_in_scene(options.at("samples.start"), inputs.scene());
   } else if (inputs.scene().camera) {
     const Vec3f& eye = inputs.scene().camera->eye;
     spec.parameters["start"] = {eye.x(), eye.y(), eye.z()};

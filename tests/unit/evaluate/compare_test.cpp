@@ -114,6 +114,20 @@ TEST_F(Compare, NamesTheWorstLightAndTheWorstCluster) {
   EXPECT_TRUE(error_report({})["direct"]["worst_cluster"].is_null());
 }
 
+TEST_F(Compare, PlacesTheWorstLightsInTheWorld) {
+  const LightErrors errors = compare(player_, trace(0, 1));
+  nlohmann::json report = error_report({&errors, 1});
+  report["direct"]["worst_light"] = {{"light", 0}, {"position", {0.1F, -2.0F, 3.0F}}};
+  report["indirect"]["worst_light"] = nullptr;
+  const nlohmann::json before = report;
+  place_in_world(report, Vec3d::Zero());
+  EXPECT_EQ(report, before);
+  place_in_world(report, Vec3d(1e8, 2, 0));
+  EXPECT_EQ(report["direct"]["worst_light"]["position"],
+            (nlohmann::json{1e8 + double{0.1F}, 0.0, 3.0}));
+  EXPECT_TRUE(report["indirect"]["worst_light"].is_null());
+}
+
 TEST_F(Compare, SeesALightThatIsHidden) {
   LightReference reference = trace(0, 1);
   std::ranges::fill(reference.direct, 0.0F);

@@ -38,10 +38,20 @@ TEST_F(PointsCsv, ReadsPointsAndMakesNormalsUnit) {
   const auto points =
       read_points_csv(file("x,y,z,nx,ny,nz\r\n1,2.5,-3e-1,0,2,0\n\n 4, 5 ,6,1e-30,0,0\n"));
   ASSERT_EQ(points.size(), 2U);
-  EXPECT_EQ(points[0].position, Vec3f(1, 2.5F, -0.3F));
+  EXPECT_EQ(points[0].position, Vec3d(1, 2.5, -0.3));
   EXPECT_EQ(points[0].normal, Vec3f(0, 1, 0));
-  EXPECT_EQ(points[1].position, Vec3f(4, 5, 6));
+  EXPECT_EQ(points[1].position, Vec3d(4, 5, 6));
   EXPECT_EQ(points[1].normal, Vec3f(1, 0, 0));
+}
+
+TEST_F(PointsCsv, TakesPointsToTheSceneInDouble) {
+  const auto points =
+      read_points_csv(file("x,y,z,nx,ny,nz\n1e8,0,-1e8,0,1,0\n100000000.25,1,2,0,1,0\n"));
+  const auto placed = points_in(Vec3d(1e8, 0, 0), points);
+  ASSERT_EQ(placed.size(), 2U);
+  EXPECT_EQ(placed[0].position, Vec3f(0, 0, -1e8F));
+  EXPECT_EQ(placed[1].position, Vec3f(0.25F, 1, 2)) << "1e8 + 0.25 is no float";
+  EXPECT_EQ(placed[1].normal, Vec3f(0, 1, 0));
 }
 
 TEST_F(PointsCsv, NamesTheLineThatIsWrong) {
@@ -67,7 +77,7 @@ TEST_F(PointsCsv, NamesTheLineThatIsWrong) {
 
 TEST_F(PointsCsv, WrittenValuesReadBackExactly) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const std::vector<ReceiverPoint> points = {{Vec3f(0.1F, 1.0F / 3.0F, -2), Vec3f(0, 1, 0)}};
+  const std::vector<WorldPoint> points = {{Vec3d(100000.1, 1.0 / 3.0, -2), Vec3f(0, 1, 0)}};
   const std::vector<PointIrradiance> values = {{Vec3f(1.1F, -2.2F, 1e-20F), Vec3f(nan, 0, 7)}};
   write_points_csv(folder_ / "out.csv", points, values);
   std::ifstream in(folder_ / "out.csv");
@@ -78,7 +88,9 @@ TEST_F(PointsCsv, WrittenValuesReadBackExactly) {
   std::vector<std::string> cells;
   for (std::istringstream row(line); std::getline(row, cell, ',');) cells.push_back(cell);
   ASSERT_EQ(cells.size(), 12U);
-  EXPECT_EQ(std::stof(cells[1]), 1.0F / 3.0F);
+  EXPECT_EQ(cells[0], "100000.1") << "as it came in";
+  EXPECT_EQ(std::stod(cells[1]), 1.0 / 3.0);
+  EXPECT_EQ(cells[2], "-2");
   EXPECT_EQ(std::stof(cells[6]), 1.1F);
   EXPECT_EQ(std::stof(cells[8]), 1e-20F);
   EXPECT_EQ(cells[9], "nan");

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
@@ -180,6 +181,83 @@ TEST_F(PackageFile, KeepsCameraAndLights) {
   }
   EXPECT_FLOAT_EQ(after.scene.lights[1].inner_angle, 0.2F);
   EXPECT_FLOAT_EQ(after.scene.lights[1].outer_angle, 0.5F);
+}
+
+/// The JSON of a package, and its bytes with other JSON.
+std::size_t json_bytes(std::span<const std::byte> package) {
+  std::uint32_t size = 0;
+  std::memcpy(&size, package.data() + 12, sizeof size);
+  return size;
+}
+nlohmann::json json_of(std::span<const std::byte> package) {
+  const auto* text = reinterpret_cast<const char*>(package.data()) + 20;
+  return nlohmann::json::parse(text, text + json_bytes(package));
+}
+std::string with_json(std::span<const std::byte> package, std::string text) {
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::string file(reinterpret_cast<const char*>(package.data()), package.size());
+  file.replace(20, json_bytes(package), text);
+  const auto word = [&](std::size_t at, std::size_t value) {
+    const auto narrow = static_cast<std::uint32_t>(value);
+    std::memcpy(file.data() + at, &narrow, sizeof narrow);
+  };
+  word(8, file.size());
+  word(12, text.size());
+  return file;
+}
+
+TEST_F(PackageFile, KeepsScenesThatHaveAnOriginOfTheirOwn) {
+  Package before = synthetic_room();
+  // No float, and not what a loader would choose: the file's word counts.
+  before.scene.origin = Vec3d(123456.7, -8.1e6, 0.3);
+  const Package after = round_trip(before);
+  EXPECT_EQ(after.scene.origin, before.scene.origin);
+  EXPECT_EQ(after.samples.positions, before.samples.positions);
+  for (std::size_t i = 0; i < before.samples.size(); ++i) {
+    ASSERT_EQ(triangle_point(after.scene, after.samples.triangles[i], 1.0F, 0.0F),
+              triangle_point(before.scene, before.samples.triangles[i], 1.0F, 0.0F));
+  }
+  EXPECT_EQ(after.scene.camera->eye, before.scene.camera->eye);
+  EXPECT_EQ(after.scene.lights[0].position, before.scene.lights[0].position);
+  EXPECT_EQ(encode_package(round_trip(after)), encode_package(after));
+}
+
+TEST_F(PackageFile, StandsWhereItWasForAnyViewer) {
+  Package package = synthetic_room();
+  EXPECT_FALSE(
+      json_of(encode_package(package))["extensions"]["PRT_light_transfer"].contains("origin"));
+  package.scene.origin = Vec3d(123456.7, -8.1e6, 0.3);
+  const nlohmann::json json = json_of(encode_package(package));
+  ASSERT_EQ(json["scenes"][0]["nodes"].size(), 1U);
+  const nlohmann::json& root = json["nodes"][json["scenes"][0]["nodes"][0].get<std::size_t>()];
+  EXPECT_EQ(root["translation"], (nlohmann::json{123456.7, -8.1e6, 0.3}));
+  EXPECT_EQ(root["children"].size() + 1, json["nodes"].size()) << "mesh, camera and lights";
+  EXPECT_EQ(json["extensions"]["PRT_light_transfer"]["origin"], root["translation"]);
+}
+
+TEST_F(PackageFile, RefusesHostileOrigins) {
+  Package package = synthetic_room();
+  package.scene.origin = Vec3d(123456.7, -8.1e6, 0.3);
+  const std::vector<std::byte> sound = encode_package(package);
+  const std::string text = json_of(sound).dump();
+  const std::string origin = "\"origin\":[123456.7,-8100000.0,0.3]";
+  ASSERT_NE(text.find(origin), std::string::npos);
+  const auto write_origin = [&](const std::string& value) {
+    std::string spoilt = text;
+    spoilt =
+        with_json(sound, spoilt.replace(text.find(origin), origin.size(), "\"origin\":" + value));
+    write_bytes(std::as_bytes(std::span(spoilt)));
+  };
+  write_origin("[123456.7,-8100000.0,0.3]");
+  EXPECT_EQ(complaint(), "");
+  for (const char* value : {"null", "7", "\"here\"", "{}", "[]", "[1,2]", "[1,2,3,4]", "[1,2,null]",
+                            "[1,2,\"3\"]", "[NaN,0,0]", "[1e999,0,0]", "[1e300,0,0]", "[0,0,-2e15]",
+                            // Well-formed, and somewhere else than the geometry.
+                            "[1e15,0,0]", "[0,0,0]", "[123456.7,-8100000.0,1.3]"}) {
+    write_origin(value);
+    EXPECT_NE(complaint().find("room.prt.glb"), std::string::npos) << value << ": " << complaint();
+    EXPECT_EQ(complaint().find('\n'), std::string::npos) << complaint();
+  }
 }
 
 TEST_F(PackageFile, KeepsErrorAndProvenance) {

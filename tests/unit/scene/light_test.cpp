@@ -140,20 +140,38 @@ TEST(Light, SunIsParallel) {
   EXPECT_EQ(sample.irradiance, Vec3f::Constant(3));
 }
 
+/// In a scene about the world's own origin.
+Light placed(const char* spec) { return parse_light(spec).in(Vec3d::Zero()); }
+
+TEST(LightSpec, PlacesAreTakenToTheSceneInDouble) {
+  // 2^-13 m at 123456 m: in float the two would be one place.
+  const Vec3d origin(123456, -65536, 0);
+  EXPECT_EQ(parse_light("point:123456.0001220703125,-65534,3:1,1,1").in(origin).position,
+            Vec3f(0x1p-13F, 2, 3));
+  const WorldLight quad = parse_light("quad:123457,0,0:1,0,0:0,0,2:3,3,3");
+  EXPECT_EQ(quad.in(origin).position, Vec3f(1, 65536, 0));
+  EXPECT_EQ(quad.in(origin).edge_v, Vec3f(0, 0, 2)) << "a length, not a place";
+  const Light sun = parse_light("sun:0,-1,0:1,2,3").in(origin);
+  EXPECT_EQ(sun.position, Vec3f::Zero()) << "it has none";
+  EXPECT_EQ(sun.direction, Vec3f(0, -1, 0));
+  const std::vector<WorldLight> two = {parse_light("point:123457,0,0:1,1,1"), quad};
+  EXPECT_EQ(lights_in(origin, two)[1].position, Vec3f(1, 65536, 0));
+}
+
 TEST(LightSpec, ReadsEveryForm) {
-  const Light point = parse_light("point:1,-2,3e-1:4,5,6");
+  const Light point = placed("point:1,-2,3e-1:4,5,6");
   EXPECT_EQ(point.kind, Light::Kind::kPoint);
   EXPECT_EQ(point.position, Vec3f(1, -2, 0.3F));
   EXPECT_EQ(point.intensity, Vec3f(4, 5, 6));
-  EXPECT_EQ(parse_light("sphere:0,0,0:1,1,1:0.25").radius, 0.25F);
-  const Light spot = parse_light("spot:0,3,0:0,-2,0:1,1,1:15,30");
+  EXPECT_EQ(placed("sphere:0,0,0:1,1,1:0.25").radius, 0.25F);
+  const Light spot = placed("spot:0,3,0:0,-2,0:1,1,1:15,30");
   EXPECT_EQ(spot.direction, Vec3f(0, -1, 0));
   EXPECT_NEAR(spot.inner_angle, kPi / 12.0F, kRounding);
   EXPECT_NEAR(spot.outer_angle, kPi / 6.0F, kRounding);
-  const Light quad = parse_light("quad:0,2,0:1,0,0:0,0,2:3,3,3");
+  const Light quad = placed("quad:0,2,0:1,0,0:0,0,2:3,3,3");
   EXPECT_EQ(quad.edge_v, Vec3f(0, 0, 2));
   EXPECT_EQ(quad.intensity, Vec3f(3, 3, 3));
-  EXPECT_EQ(parse_light("sun:0,-1,0:1,2,3").intensity, Vec3f(1, 2, 3));
+  EXPECT_EQ(placed("sun:0,-1,0:1,2,3").intensity, Vec3f(1, 2, 3));
 }
 
 TEST(LightSpec, RefusesRubbish) {

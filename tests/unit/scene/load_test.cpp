@@ -57,13 +57,6 @@ TEST(Load, ReadsASquare) {
   EXPECT_EQ(albedo_at(scene, 0, 0.2F, 0.3F), Vec3f::Ones());
 }
 
-TEST(Load, SaysWhereFarCoordinatesLosePrecision) {
-  EXPECT_TRUE(square_file({{"translation", {50, 0, 0}}}).load().repairs.notes.empty());
-  const auto notes = square_file({{"translation", {1e4, 0, 0}}}).load().repairs.notes;
-  ASSERT_EQ(notes.size(), 1U);
-  EXPECT_NE(notes[0].find("rounded"), std::string::npos) << notes[0];
-}
-
 TEST(Load, KeepsTheFrontOfMirroredNodes) {
   expect_facing(square_file({{"scale", {-1, 1, 1}}}).load(), Vec3f::UnitZ());
   expect_facing(square_file({{"scale", {1, 1, -1}}}).load(), -Vec3f::UnitZ());

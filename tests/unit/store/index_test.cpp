@@ -53,6 +53,14 @@ TEST_F(IndexTest, H5dumpReadsASealedArtifact) {
   EXPECT_NE(dump.find("\"Leonhardt"), dump.find("equation")) << dump;
 }
 
+TEST_F(IndexTest, KeepsAttributesOfTheBake) {
+  write_index(disk_, folder_.path(), kEntries, {{"origin", {1e5, 0.5, -2}}});
+  const std::string dump = output_of("h5dump -A " + (folder_.path() / kIndexName).string());
+  EXPECT_NE(dump.find("[100000.0,0.5,-2]"), std::string::npos) << dump;
+  EXPECT_NE(dump.find("json:origin"), std::string::npos) << dump;
+  EXPECT_EQ(read_index(disk_, folder_.path()).size(), kEntries.size());
+}
+
 TEST_F(IndexTest, EqualBytesInAnyOrder) {
   const std::string first = read_text(folder_.path() / kIndexName);
   const std::vector<IndexEntry> reversed(kEntries.rbegin(), kEntries.rend());
