@@ -211,23 +211,22 @@ class Session {
     return config_.options.get<std::string>("store.keep") == "all";
   }
 
-  /// Before a large bake begins: what the report compares with what then happens. It costs about a
-  /// second, so small bakes go without.
-  void predict() {
+  /// While a large bake begins: what the report compares with what then happens. It costs about a
+  /// second of CPU, so small bakes go without.
+  [[nodiscard]] std::unique_ptr<PredictionBeside> predict() const {
     constexpr double kWorthwhileRays = 2e7;
     const OptionValues& o = config_.options;
-    if (!folder_->found().entries.empty() || !o.is_set("samples.count")) return;
-    if (AccuracyGoal(o).wanted()) return;  // nobody knows how many levels it takes
-    if (o.get<double>("samples.count") * o.get<double>("rays.directions") < kWorthwhileRays) return;
-    try {
-      prediction_ = predict_bake(program_, *config_.method, o, scene_, isa_, stop_flag());
-    } catch (const std::exception& e) {
-      log::debug("nothing is predicted: {}", e.what());  // the bake itself will say what is wrong
-    }
+    if (!folder_->found().entries.empty() || !o.is_set("samples.count")) return nullptr;
+    if (AccuracyGoal(o).wanted()) return nullptr;  // nobody knows how many levels it takes
+    const double rays = o.get<double>("samples.count") * o.get<double>("rays.directions");
+    if (rays < kWorthwhileRays) return nullptr;
+    return std::make_unique<PredictionBeside>([this](const std::atomic<bool>& stop) {
+      return predict_bake(program_, *config_.method, config_.options, scene_, isa_, stop);
+    });
   }
 
   ExitCode coordinate() {
-    predict();
+    const auto prediction = predict();
     KnownContents known;
     for (const ManifestEntry& entry : folder_->found().entries) known[entry.key] = entry.content;
     Coordinator coordinator(coordinator_settings(), std::move(known));
@@ -235,7 +234,7 @@ class Session {
     BakeRunner runner(world(folder_->store()));
     Slots slots(threads_, runner);
     const auto write = [&](const Host& host, const FindResult& find) {
-      finish(planner, host, find);
+      finish(planner, host, find, prediction ? prediction->get() : nullptr);
     };
     Host host(planner, fs_, *folder_, write, keep_all(), command_.verbosity);
     LoopEnd end = guarded([&] {
@@ -267,11 +266,11 @@ class Session {
     }
   }
 
-  void finish(Planner& planner, const Host& host, const FindResult& find) {
+  void finish(Planner& planner, const Host& host, const FindResult& find,
+              const BakePrediction* prediction) {
     const auto result = [&](const std::string& task) { return planner.read(task, find); };
-    const BakeFacts facts{program_,      config_, scene_,
-                          isa_,          hosts_,  total_threads_,
-                          ranks_.size(), began_,  prediction_ ? &*prediction_ : nullptr};
+    const BakeFacts facts{program_,       config_,       scene_, isa_,      hosts_,
+                          total_threads_, ranks_.size(), began_, prediction};
     write_results(facts, host.plan(), result, host.history(), *folder_, fs_);
   }
 
@@ -295,7 +294,6 @@ class Session {
   int threads_ = 1;
   int total_threads_ = 1;
   std::vector<std::string> hosts_;
-  std::optional<BakePrediction> prediction_;
   mutable std::optional<BakeFolder> folder_;
 };
 

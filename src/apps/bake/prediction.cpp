@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <map>
 #include <set>
 
 #include "apps/bake/history.h"
+#include "base/clock.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "methods/common/sampling.h"
 #include "store/hdf5_image.h"
 
@@ -42,8 +43,6 @@ OptionValues pilot_options(const OptionValues& wanted) {
   limit("evaluate.points", kPilotPoints);
   return options;
 }
-
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// A bake whose artifacts stay in memory; one thread.
 class Pilot : public PlanInputs {
@@ -136,7 +135,7 @@ class Pilot : public PlanInputs {
   };
 
   void make(const TaskSpec& task) {
-    const double began = cpu_seconds();
+    const double began = thread_cpu_seconds();
     const Reader reader(*this, task);
     const BakeErrorMeter* meter = program_.evaluator.get();
     const bool judges = meter != nullptr && std::ranges::count(meter->kinds(), task.kind) > 0;
@@ -147,7 +146,7 @@ class Pilot : public PlanInputs {
     (void)from_hdf5(file);
     if (!stages_.contains(task.kind)) order_.push_back(task.kind);
     Stage& stage = stages_[task.kind];
-    stage.seconds += cpu_seconds() - began;
+    stage.seconds += thread_cpu_seconds() - began;
     stage.bytes += static_cast<double>(file.size());
     stage.tasks += 1.0;
     stage.rounds.insert(task.id.substr(0, task.id.find('/')));
@@ -199,6 +198,22 @@ StagePrediction BakePrediction::total() const {
   return sum;
 }
 
+PredictionBeside::PredictionBeside(Predict predict)
+    : made_(std::async(std::launch::async, [this, predict = std::move(predict)] {
+        try {
+          return predict(stop_);
+        } catch (const std::exception& e) {
+          // The bake itself will say what is wrong.
+          log::debug("nothing is predicted: {}", e.what());
+          return std::optional<BakePrediction>();
+        }
+      })) {}
+
+const BakePrediction* PredictionBeside::get() {
+  if (made_.valid()) prediction_ = made_.get();
+  return prediction_ ? &*prediction_ : nullptr;
+}
+
 nlohmann::json survey_scene(const Scene& scene, const std::vector<nlohmann::json>& rays,
                             const Artifact& samples, const Artifact& albedo) {
   double count = 0.0, back = 0.0, all = 0.0, escaped = 0.0, lost = 0.0, most = 0.0, least = 1.0;
@@ -237,7 +252,7 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
                                            const OptionValues& options, const Scene& scene,
                                            const std::string& isa, const std::atomic<bool>& stop) {
   if (method.work({1.0, 1.0}, options, {}).empty()) return std::nullopt;
-  const double began = cpu_seconds();
+  const double began = thread_cpu_seconds();
   const OptionValues small = pilot_options(options);
   Pilot pilot(program, method, small, scene, isa, stop);
   try {
@@ -266,7 +281,7 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
   }
   prediction.left_out = pilot.left_out();
   prediction.survey = pilot.survey();
-  prediction.pilot_seconds = cpu_seconds() - began;
+  prediction.pilot_seconds = thread_cpu_seconds() - began;
   return prediction;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +27,7 @@ struct BakePrediction {
   nlohmann::json survey;                ///< of the scene (survey_scene), from the small bake
   double samples = 0.0;
   double clusters = 0.0;
-  double pilot_seconds = 0.0;  ///< that the small bake took
+  double pilot_seconds = 0.0;  ///< of CPU that the small bake took
 
   [[nodiscard]] StagePrediction total() const;  ///< memory: of the largest task
 };
@@ -36,6 +38,27 @@ struct BakePrediction {
 std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Method& method,
                                            const OptionValues& options, const Scene& scene,
                                            const std::string& isa, const std::atomic<bool>& stop);
+
+/// A prediction that is made beside the bake, on a thread of its own: nobody waits for it before
+/// the report.
+class PredictionBeside {
+ public:
+  using Predict = std::function<std::optional<BakePrediction>(const std::atomic<bool>& stop)>;
+
+  explicit PredictionBeside(Predict predict);
+  /// Gives up a prediction that is still being made.
+  ~PredictionBeside() { stop_ = true; }
+  PredictionBeside(const PredictionBeside&) = delete;
+  PredictionBeside& operator=(const PredictionBeside&) = delete;
+
+  /// Waits until it is made; null where nothing could be predicted.
+  const BakePrediction* get();
+
+ private:
+  std::atomic<bool> stop_ = false;
+  std::optional<BakePrediction> prediction_;
+  std::future<std::optional<BakePrediction>> made_;  // last: goes first, and waits for its thread
+};
 
 /// Figures of a scene that decide what a bake of it needs, from what its ray and albedo tasks said.
 nlohmann::json survey_scene(const Scene& scene, const std::vector<nlohmann::json>& rays,

@@ -5,6 +5,8 @@
 
 #include <atomic>
 #include <map>
+#include <stdexcept>
+#include <thread>
 
 #include "methods/lb/lb.h"
 #include "scene/load.h"
@@ -66,6 +68,35 @@ TEST(Prediction, SaysNothingOnceItIsStopped) {
   const std::atomic<bool> stop = true;
   const OptionValues options = test::default_options(lb_method());
   EXPECT_FALSE(predict_bake(program(), lb_method(), options, scene, "", stop));
+}
+
+TEST(PredictionBeside, HandsOverWhatItsThreadMadeAndKeepsQuietAboutFailures) {
+  const auto bake = std::this_thread::get_id();
+  PredictionBeside beside([&](const std::atomic<bool>&) {
+    BakePrediction prediction;
+    prediction.samples = std::this_thread::get_id() == bake ? 0.0 : 7.0;
+    return std::optional(prediction);
+  });
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_NE(beside.get(), nullptr);
+    EXPECT_EQ(beside.get()->samples, 7.0);
+  }
+  PredictionBeside failing([](const std::atomic<bool>&) -> std::optional<BakePrediction> {
+    throw std::runtime_error("no");
+  });
+  EXPECT_EQ(failing.get(), nullptr);
+}
+
+TEST(PredictionBeside, IsGivenUpWithTheBake) {
+  std::atomic<bool> given_up = false;
+  {
+    const PredictionBeside endless([&](const std::atomic<bool>& stop) {
+      while (!stop) std::this_thread::yield();
+      given_up = true;
+      return std::optional<BakePrediction>();
+    });
+  }
+  EXPECT_TRUE(given_up);
 }
 
 }  // namespace
