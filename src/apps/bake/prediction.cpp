@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "apps/bake/history.h"
 #include "base/clock.h"
@@ -56,14 +55,6 @@ class Pilot : public PlanInputs {
         caster_(program.make_ray_caster(scene, isa)),
         stop_(stop) {}
 
-  struct Stage {
-    double seconds = 0.0;
-    double bytes = 0.0;
-    double tasks = 0.0;
-    std::set<std::string> rounds;
-    std::map<std::string, double> sums;  ///< of figures, over tasks
-  };
-
   /// False if it was stopped.
   bool run() {
     for (;;) {
@@ -90,19 +81,9 @@ class Pilot : public PlanInputs {
     const auto found = results_.find(id);
     return found == results_.end() ? nullptr : found->second;
   }
-  [[nodiscard]] const std::vector<std::string>& order() const { return order_; }
-  [[nodiscard]] const std::map<std::string, Stage>& stages() const { return stages_; }
+  [[nodiscard]] const MadeStages& stages() const { return stages_; }
   [[nodiscard]] const std::vector<LeftOut>& left_out() const { return plan_.left_out; }
 
-  [[nodiscard]] StageFigures figures() const {
-    StageFigures all;
-    for (const auto& [name, stage] : stages_) {
-      for (const auto& [figure, sum] : stage.sums) all[name][figure] = sum / stage.tasks;
-      all[name]["tasks"] = stage.tasks;
-      all[name]["rounds"] = static_cast<double>(stage.rounds.size());
-    }
-    return all;
-  }
   [[nodiscard]] nlohmann::json survey() const {
     std::vector<nlohmann::json> rays;
     for (const auto& [id, artifact] : results_) {
@@ -144,14 +125,8 @@ class Pilot : public PlanInputs {
     // As a bake does: file, content, and read again to verify.
     const auto file = to_hdf5(*artifact, {task.kind, hash_text(task.id), task.version, ""});
     (void)from_hdf5(file);
-    if (!stages_.contains(task.kind)) order_.push_back(task.kind);
-    Stage& stage = stages_[task.kind];
-    stage.seconds += thread_cpu_seconds() - began;
-    stage.bytes += static_cast<double>(file.size());
-    stage.tasks += 1.0;
-    stage.rounds.insert(task.id.substr(0, task.id.find('/')));
-    const nlohmann::json figures = figures_of(*artifact);
-    for (const auto& [name, value] : figures.items()) stage.sums[name] += value.get<double>();
+    stages_.add(task.id, task.kind, thread_cpu_seconds() - began, static_cast<double>(file.size()),
+                figures_of(*artifact));
     results_[task.id] = std::move(artifact);
   }
 
@@ -164,24 +139,8 @@ class Pilot : public PlanInputs {
   Memo memo_;
   Plan plan_;
   Results results_;
-  std::vector<std::string> order_;
-  std::map<std::string, Stage> stages_;
+  MadeStages stages_;
 };
-
-std::map<std::string, StageWork> work_of(const BakeProgram& program, const Method& method,
-                                         const BakeSize& size, const OptionValues& options,
-                                         const StageFigures& figures) {
-  std::vector<StageWork> all = method.work(size, options, figures);
-  if (program.evaluator) {
-    const auto judged = program.evaluator->work(size, options);
-    all.insert(all.end(), judged.begin(), judged.end());
-  }
-  std::map<std::string, StageWork> by_stage;
-  for (const StageWork& work : all) by_stage[work.stage] = work;
-  return by_stage;
-}
-
-double ratio(double wanted, double pilot) { return pilot > 0.0 ? wanted / pilot : 1.0; }
 
 }  // namespace
 
@@ -261,24 +220,17 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
     return std::nullopt;
   }
   const auto samples = pilot.result(kSamplesTask);
-  const BakeSize had{samples->attribute<double>("samples"), samples->attribute<double>("clusters")};
+  if (!samples) return std::nullopt;  // a method without them: nothing to scale by
   BakePrediction prediction;
-  prediction.samples = expected_samples(options, samples->attribute<double>("area"));
-  prediction.clusters =
-      std::max(1.0, std::round(prediction.samples / options.get<double>("samples.cluster_size")));
-  const StageFigures figures = pilot.figures();
-  const auto wanted =
-      work_of(program, method, {prediction.samples, prediction.clusters}, options, figures);
-  const auto made = work_of(program, method, had, small, figures);
-  for (const std::string& name : pilot.order()) {
-    const auto& stage = pilot.stages().at(name);
-    const auto w = wanted.find(name);
-    if (w == wanted.end()) continue;
-    const StageWork& m = made.at(name);
-    prediction.stages.push_back({name, w->second.tasks, w->second.rays,
-                                 stage.seconds * ratio(w->second.work, m.work),
-                                 stage.bytes * ratio(w->second.bytes, m.bytes), w->second.memory});
-  }
+  const BakeSize size =
+      size_with(options, expected_samples(options, samples->attribute<double>("area")));
+  prediction.samples = size.samples;
+  prediction.clusters = size.clusters;
+  prediction.made = {
+      pilot.stages(),
+      {samples->attribute<double>("samples"), samples->attribute<double>("clusters")},
+      small};
+  prediction.stages = scale_bake(program, method, prediction.made, size, options);
   prediction.left_out = pilot.left_out();
   prediction.survey = pilot.survey();
   prediction.pilot_seconds = thread_cpu_seconds() - began;

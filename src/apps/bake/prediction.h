@@ -8,21 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "apps/bake/bake.h"
+#include "apps/bake/made_bake.h"
 
 namespace prt {
 
-struct StagePrediction {
-  std::string stage;
-  double tasks = 0.0;
-  double rays = 0.0;
-  double seconds = 0.0;  ///< on one core
-  double bytes = 0.0;    ///< of all its artifacts
-  double memory = 0.0;   ///< that one task holds, bytes
-};
-
 struct BakePrediction {
   std::vector<StagePrediction> stages;  ///< in the order of the bake
+  MadeBake made;                        ///< the small bake
   std::vector<LeftOut> left_out;        ///< by the small bake
   nlohmann::json survey;                ///< of the scene (survey_scene), from the small bake
   double samples = 0.0;
