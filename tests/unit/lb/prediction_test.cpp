@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "apps/bake/accuracy.h"
+#include "apps/bake/time_limit.h"
 #include "methods/lb/lb.h"
 #include "scene/load.h"
 #include "store/hdf5_image.h"
@@ -20,6 +22,8 @@ namespace {
 constexpr double kCountTolerance = 0.05;
 /// The goal of predictions. In seconds it depends on the machine's other work and is not tested.
 constexpr double kBytesFactor = 1.5;
+/// Of sums of a few seconds.
+constexpr double kRounding = 1e-9;
 
 BakeProgram program() {
   BakeProgram program;
@@ -58,6 +62,20 @@ TEST(Prediction, MeetsRaysAndBytesOfTheBake) {
   }
   EXPECT_LT(prediction->total().bytes, kBytesFactor * all);
   EXPECT_GT(prediction->total().bytes, all / kBytesFactor);
+  // Scaled to itself a bake takes what it took, and finer levels of effort take longer.
+  const auto itself = scale_bake(program(), lb_method(), prediction->made, prediction->made.size,
+                                 prediction->made.options);
+  for (const StagePrediction& stage : itself) {
+    EXPECT_NEAR(stage.seconds, prediction->made.stages.seconds(stage.stage), kRounding)
+        << stage.stage;
+  }
+  double coarser = 0.0;
+  for (int level = 0; level < lb_method().effort_levels(); ++level) {
+    const double seconds = expected_seconds(program(), lb_method(), prediction->made,
+                                            options_at(lb_method(), options, level), 2);
+    EXPECT_GT(seconds, coarser) << level;
+    coarser = seconds;
+  }
   RecordProperty("bytes_ratio", std::to_string(prediction->total().bytes / all));
   EXPECT_LT(prediction->survey["colour_spread"].get<double>(), 1.0);
   EXPECT_EQ(prediction->survey["escaped_share"].get<double>(), 0.0);  // the gallery is closed
