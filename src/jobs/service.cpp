@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "base/clock.h"
+
 namespace prt {
 
 namespace {
@@ -15,11 +17,6 @@ constexpr std::chrono::microseconds kPollInterval{1000};
 /// but being sent home: a task that ends wakes it all the same.
 constexpr std::chrono::microseconds kCalmInterval{20000};
 constexpr WorkerId kCoordinatorRank = 0;
-
-double monotonic_seconds() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration<double>(now).count();
-}
 
 bool stop_wanted(const ServiceSettings& settings) {
   return settings.stop != nullptr && settings.stop->load();
@@ -43,7 +40,7 @@ class CoordinatorLoop {
     events_.emplace_back(worker_.join());
     events_.push_back(host_.plan_on(coordinator_));
     while (!end_) {
-      const double now = monotonic_seconds();
+      const double now = steady_seconds();
       if (stop_wanted(settings) || now > drain_until_) return {ExitCode::kInterrupted, ""};
       if (drain_wanted(settings)) events_.emplace_back(DrainRequested{});
       // The time first, so that what came in while we were busy is heard now, and not long ago.
@@ -164,7 +161,7 @@ ExitCode run_worker(Link& link, Slots& slots, const ServiceSettings& settings) {
     if (drain_wanted(settings) && !std::exchange(told_to_drain, true)) {
       link.send(kCoordinatorRank, encode_report(DrainRequested{}));
     }
-    act(worker.handle(Tick{monotonic_seconds()}));
+    act(worker.handle(Tick{steady_seconds()}));
     for (const SlotFinished& finished : slots.take_finished()) act(worker.handle(finished));
     while (const auto message = link.poll()) act(worker.handle(decode_order(message->text)));
     if (!end) slots.wait(worker.has_free_slot() ? kPollInterval : kCalmInterval);

@@ -1,19 +1,14 @@
 #include "jobs/slots.h"
 
 #include <algorithm>
-#include <ctime>
 #include <new>
 #include <utility>
+
+#include "base/clock.h"
 
 namespace prt {
 
 namespace {
-
-double thread_cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 double wall_seconds() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();

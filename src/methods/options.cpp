@@ -207,6 +207,17 @@ std::vector<OptionSpec> shared_options() {
        "1",
        "share of wrongly judged shadows to reach, likewise",
        "ours"},
+      {"time_limit",
+       Type::kNumber,
+       nullptr,
+       0.1,
+       1e8,
+       {},
+       "s",
+       "wall time of the whole bake: samples, directions, ranks and tolerances are then chosen by "
+       "the bake, as fine as it expects to make in that time on the ranks it has; with accuracy.*, "
+       "whichever is met first",
+       "ours"},
       {"evaluate.lights",
        Type::kInteger,
        8,
@@ -267,7 +278,8 @@ std::vector<OptionSpec> shared_options() {
 std::map<std::string, nlohmann::json> options_of_results(const OptionValues& options) {
   std::map<std::string, nlohmann::json> values = options.all();
   std::erase_if(values, [](const auto& value) {
-    return value.first.starts_with("store.") || value.first.starts_with("jobs.");
+    return value.first.starts_with("store.") || value.first.starts_with("jobs.") ||
+           value.first == "time_limit";
   });
   return values;
 }

@@ -49,11 +49,12 @@ std::string expected_value(const OptionSpec& spec);
 /// Throws UserError unless `value` fits the option; `where` names file and line.
 void check_option(const OptionSpec& spec, const nlohmann::json& value, const std::string& where);
 
-/// Options that all methods share: seed, samples.*, rays.*, transport.*, compression.*, evaluate.*,
-/// store.*, jobs.*.
+/// Options that all methods share: seed, samples.*, rays.*, transport.*, compression.*, accuracy.*,
+/// time_limit, evaluate.*, store.*, jobs.*.
 std::vector<OptionSpec> shared_options();
 
-/// The values that results may depend on: all but store.* and jobs.*.
+/// The values that results may depend on: all but store.*, jobs.* and time_limit, which says only
+/// which results are made.
 std::map<std::string, nlohmann::json> options_of_results(const OptionValues& options);
 
 }  // namespace prt

@@ -1,5 +1,6 @@
 // What the stages of a bake amount to, as counts: from them and a small bake of the same scene come
-// predictions. No result, KEY or order of tasks depends on any of it.
+// predictions. No KEY and no order of tasks depends on any of it; with a time limit, which level of
+// effort is made does.
 #pragma once
 
 #include <map>
@@ -10,6 +11,7 @@ namespace prt {
 
 /// Means of what finished tasks said of themselves, by stage and figure ("snapshot", "rank"). Two
 /// figures are there for every stage: "tasks", and "rounds", how often the stage was gone through.
+/// In the place of a stage, "options" holds the numbers among the options they were found with.
 using StageFigures = std::map<std::string, std::map<std::string, double>>;
 
 struct BakeSize {

@@ -82,7 +82,7 @@ BakeFolder BakeFolder::open(FileSystem& fs, const FileSystem::Path& dir,
   folder.found_ = read_manifest(fs, manifest);
   const bool has_artifacts = !fs.list(folder.store_->root()).empty();
   if (needs_header(folder.found_, dir, has_artifacts, identity)) {
-    create_manifest(fs, manifest, identity, folder.found_.entries);
+    create_manifest(fs, manifest, identity, folder.found_.entries, folder.found_.choices);
   }
   folder.store_->remove_temporaries();
   folder.manifest_ = std::make_unique<ManifestWriter>(fs, manifest);

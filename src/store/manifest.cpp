@@ -53,6 +53,24 @@ ManifestEntry to_entry(const json& record) {
   return entry;
 }
 
+json to_json(const LevelChoice& choice) {
+  return {{"choice", choice.bake.hex()},
+          {"after", choice.after},
+          {"level", choice.level},
+          {"predicted", choice.predicted},
+          {"used", choice.used}};
+}
+
+LevelChoice to_choice(const json& record) {
+  LevelChoice choice;
+  choice.bake = Digest::from_hex(record.at("choice").get<std::string>());
+  choice.after = record.at("after");
+  choice.level = record.at("level");
+  choice.predicted = record.at("predicted");
+  choice.used = record.at("used");
+  return choice;
+}
+
 /// Takes the records of a manifest, line by line.
 class ManifestParser {
  public:
@@ -66,7 +84,7 @@ class ManifestParser {
       return;
     }
     try {
-      record->contains("schema_version") ? header(*record) : entry(to_entry(*record));
+      sort_in(*record);
     } catch (const json::exception&) {  // sound, but not a record we know
       ++contents_.damaged_lines;
     } catch (const UnsoundData&) {
@@ -77,11 +95,21 @@ class ManifestParser {
     if (contents_.outdated) {
       contents_.entries.clear();
       contents_.made.clear();
+      contents_.choices.clear();
     }
     return std::move(contents_);
   }
 
  private:
+  void sort_in(const json& record) {
+    if (record.contains("schema_version")) {
+      header(record);
+    } else if (record.contains("choice")) {
+      contents_.choices.push_back(to_choice(record));
+    } else {
+      entry(to_entry(record));
+    }
+  }
   void header(const json& record) {
     const int version = record.at("schema_version");
     if (version > kManifestSchemaVersion) {
@@ -130,9 +158,11 @@ ManifestContents read_manifest(FileSystem& fs, const FileSystem::Path& path) {
 }
 
 void create_manifest(FileSystem& fs, const FileSystem::Path& path, const std::string& identity,
-                     const std::vector<ManifestEntry>& entries) {
+                     const std::vector<ManifestEntry>& entries,
+                     const std::vector<LevelChoice>& choices) {
   std::string text = to_line({{"schema_version", kManifestSchemaVersion}, {"identity", identity}});
   for (const ManifestEntry& entry : entries) text += to_line(to_json(entry));
+  for (const LevelChoice& choice : choices) text += to_line(to_json(choice));
   replace_file(fs, path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
@@ -155,6 +185,12 @@ void ManifestWriter::append(const ManifestEntry& entry, double now) {
   if (!unsynced_) oldest_unsynced_ = now;
   unsynced_ = true;
   sync_if_due(now);
+}
+
+void ManifestWriter::append(const LevelChoice& choice) {
+  file_->append(std::string_view(to_line(to_json(choice))));
+  unsynced_ = true;
+  sync();
 }
 
 void ManifestWriter::sync_if_due(double now) {

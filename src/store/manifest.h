@@ -1,6 +1,8 @@
 // The log of a bake: append-only, one checksummed text line per finished task, so that a resume
 // knows what is done without opening an artifact.
 //
+// A choice that hung on a clock is a line, too: a resume repeats it.
+//
 // A line is "CHECKSUM JSON\n", CHECKSUM the XXH3-128 of the JSON text in hexadecimal. The first
 // line is a header with the schema version and the identity of the bake. A line that is torn or
 // damaged is skipped: the artifact it told of is found again by its KEY.
@@ -42,6 +44,16 @@ struct ManifestEntry {
   friend bool operator==(const ManifestEntry&, const ManifestEntry&) = default;
 };
 
+/// Which level of effort comes after one, chosen by the time that was left.
+struct LevelChoice {
+  Digest bake;             ///< of all settings that decide which levels there are
+  int after = 0;           ///< the level that was done
+  int level = 0;           ///< that comes next; `after` itself: none, for no other fits
+  double predicted = 0.0;  ///< seconds that it is to take; where none comes, the next finer one
+  double used = 0.0;       ///< seconds that the bake had taken when it was chosen
+  friend bool operator==(const LevelChoice&, const LevelChoice&) = default;
+};
+
 struct ManifestContents {
   bool exists = false;                 ///< there is a file
   bool has_header = false;             ///< with a sound header
@@ -51,6 +63,7 @@ struct ManifestContents {
   /// All lines that tell of the making, not the finding of an artifact: a task that goes back to
   /// settings of before finds what it took then.
   std::vector<ManifestEntry> made;
+  std::vector<LevelChoice> choices;  ///< in the order they were taken
   std::size_t damaged_lines = 0;
 };
 
@@ -58,9 +71,10 @@ struct ManifestContents {
 /// schema version newer than ours.
 ManifestContents read_manifest(FileSystem& fs, const FileSystem::Path& path);
 
-/// Makes a manifest of a header and entries, replacing what is there.
+/// Makes a manifest of a header, entries and choices, replacing what is there.
 void create_manifest(FileSystem& fs, const FileSystem::Path& path, const std::string& identity,
-                     const std::vector<ManifestEntry>& entries = {});
+                     const std::vector<ManifestEntry>& entries = {},
+                     const std::vector<LevelChoice>& choices = {});
 
 /// Appends lines; only the coordinator does. Not thread-safe.
 class ManifestWriter {
@@ -74,6 +88,8 @@ class ManifestWriter {
 
   /// Writes the line at once; it is on the disk after the next sync. `now`: any monotonic clock, s.
   void append(const ManifestEntry& entry, double now);
+  /// The same, and it is on the disk when this returns: what is chosen shows at once.
+  void append(const LevelChoice& choice);
   /// Syncs if lines have waited kSyncInterval or longer. Call it whenever idle.
   void sync_if_due(double now);
   void sync();

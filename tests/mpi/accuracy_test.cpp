@@ -1,5 +1,5 @@
 // Accuracy as the input, as a user meets it: level after level until the measured error is below
-// the goal, killed in between; and a goal that is out of reach.
+// the goal, killed in between; and a time limit beside it.
 #include "apps/bake/accuracy.h"
 
 #include <gtest/gtest.h>
@@ -59,11 +59,17 @@ TEST(AccuracyGoal, LevelsGoUpToTheFinestAndNoFarther) {
 
 class AccuracyBake : public testing::Test {
  protected:
-  [[nodiscard]] std::unique_ptr<test::Program> start(int ranks) const {
+  [[nodiscard]] std::unique_ptr<test::Program> start(int ranks,
+                                                     const std::vector<std::string>& settings = {
+                                                         "accuracy.indirect=" +
+                                                         std::to_string(kGoal)}) const {
     const std::string source = PRT_SOURCE_DIR;
     test::BakeRun run;
     run.ranks = ranks;
-    run.more = {"--out", bake().string(), "--set", "accuracy.indirect=" + std::to_string(kGoal)};
+    run.more = {"--out", bake().string()};
+    for (const std::string& setting : settings) {
+      run.more.insert(run.more.end(), {"--set", setting});
+    }
     return test::start_bake(
         {std::string(PRT_BINARY_DIR) + "/bin/prt_bake", source + "/configs/default.yaml", "--set",
          "scene=" + source + "/configs/scenes/cornell.glb"},
@@ -109,6 +115,31 @@ TEST_F(AccuracyBake, RefinesUntilTheGoalIsMetAcrossAKill) {
                      folder_.path / "draw.txt");
   EXPECT_EQ(draw.wait(), 0) << draw.output();
   EXPECT_NE(test::read_text(bake() / "report.html").find("<b>Ranks</b>"), std::string::npos);
+}
+
+TEST_F(AccuracyBake, ATimeLimitTooShortForAnythingBakesTheCoarsestAndSaysSo) {
+  const auto limited = start(2, {"time_limit=0.1", "accuracy.indirect=" + std::to_string(kGoal)});
+  ASSERT_EQ(limited->wait(), 0) << limited->output();
+  EXPECT_NE(limited->output().find("too short for the coarsest level"), std::string::npos)
+      << limited->output();
+  EXPECT_NE(limited->output().find("NOT met within the time limit"), std::string::npos);
+  const json report = json::parse(test::read_text(bake() / "report.json"));
+  const json& limit = report["time_limit"];
+  EXPECT_FALSE(limit["met"].get<bool>());
+  EXPECT_FALSE(report["accuracy"]["met"].get<bool>());
+  ASSERT_EQ(limit["levels"].size(), 1U);
+  EXPECT_GT(limit["levels"][0]["seconds"].get<double>(), 0.1);
+  // What the next would have taken, from the stages of this one: a dearer one.
+  EXPECT_GT(limit["next_seconds"].get<double>(), limit["levels"][0]["seconds"].get<double>());
+  EXPECT_EQ(limit["levels"][0]["indirect"], report["error"]["indirect"]["rel_rmse"]);
+
+  // With the goal within reach of the coarsest there is nothing to choose.
+  const auto easy = start(1, {"time_limit=1e6", "accuracy.indirect=1"});
+  ASSERT_EQ(easy->wait(), 0) << easy->output();
+  const json met = json::parse(test::read_text(bake() / "report.json"));
+  EXPECT_TRUE(met["accuracy"]["met"].get<bool>());
+  EXPECT_TRUE(met["time_limit"]["met"].get<bool>());
+  EXPECT_EQ(met["time_limit"]["level"], 0);
 }
 
 }  // namespace

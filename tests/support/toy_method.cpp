@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <string>
 #include <thread>
@@ -134,6 +135,34 @@ class ToyMethod : public Method {
   }
 };
 
+class LevelledToy : public ToyMethod {
+ public:
+  explicit LevelledToy(std::function<void(const std::string&)> before_task)
+      : before_task_(std::move(before_task)) {}
+
+  [[nodiscard]] int effort_levels() const override { return 3; }
+  [[nodiscard]] OptionValues with_effort(const OptionValues& options, int level) const override {
+    OptionValues at = options;
+    at.set("toy.leaves", 10 << level);
+    at.set("toy.values", 100 << level);
+    return at;
+  }
+  [[nodiscard]] std::vector<StageWork> work(const BakeSize&, const OptionValues& options,
+                                            const StageFigures&) const override {
+    const auto leaves = options.get<double>("toy.leaves");
+    return {{"leaf", leaves, 0, leaves, leaves, 1},
+            {"pair", leaves / 2, 0, leaves, leaves, 1},
+            {"total", leaves, 0, leaves, 1, 1}};  // so that all of it doubles
+  }
+  [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader) const override {
+    before_task_(task.id);
+    return ToyMethod::run(task, reader);
+  }
+
+ private:
+  std::function<void(const std::string&)> before_task_;
+};
+
 /// The scene is the text of its file.
 Scene load_toy_scene(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file))
@@ -186,8 +215,9 @@ std::vector<std::byte> encode_toy_package(const Package& package) {
 
 namespace test {
 
-BakeProgram toy_program() {
-  static const ToyMethod toy;
+namespace {
+
+BakeProgram program_of(const Method& toy) {
   return {{&toy},
           nullptr,
           load_toy_scene,
@@ -195,6 +225,19 @@ BakeProgram toy_program() {
           [] { return std::string("avx2"); },
           encode_toy_package,
           toy_file_system()};
+}
+
+}  // namespace
+
+BakeProgram toy_program() {
+  static const ToyMethod toy;
+  return program_of(toy);
+}
+
+BakeProgram toy_program_with_levels(std::function<void(const std::string& task)> before_task) {
+  static std::vector<std::unique_ptr<LevelledToy>> toys;  // a program only points at its methods
+  toys.push_back(std::make_unique<LevelledToy>(std::move(before_task)));
+  return program_of(*toys.back());
 }
 
 }  // namespace test

@@ -9,10 +9,17 @@
 //   PRT_TOY_FAIL      id of a task that fails; PRT_TOY_FAIL_KIND user|memory|bug
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "apps/bake/bake.h"
 
 namespace prt::test {
 
 BakeProgram toy_program();
+
+/// The same with three levels of effort: 10, 20 and 40 leaves, with nothing in common.
+/// `before_task` is called with the id of each task that is made, and may throw.
+BakeProgram toy_program_with_levels(std::function<void(const std::string& task)> before_task);
 
 }  // namespace prt::test

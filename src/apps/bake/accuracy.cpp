@@ -44,9 +44,10 @@ double AccuracyGoal::excess(const nlohmann::json& error) const {
 
 OptionValues options_at(const Method& method, const OptionValues& options, int level) {
   OptionValues at = method.with_effort(options, level);
+  const AccuracyGoal goal(options);
+  if (!goal.wanted()) return at;
   at.set("evaluate.lights", std::max(kLeastLights, options.get<int>("evaluate.lights")));
   if (options.get<int>("evaluate.points") == 0) at.set("evaluate.points", 1000);
-  const AccuracyGoal goal(options);
   const double times = goal.indirect ? 0.1 / *goal.indirect : 1.0;
   const double paths = std::min<double>(kMostPaths, kPathsAtTenPerCent * times * times);
   at.set("evaluate.spp", std::max(static_cast<int>(paths), options.get<int>("evaluate.spp")));
@@ -59,13 +60,23 @@ int next_level(const Method& method, int level, double excess) {
   return std::min(wanted, method.effort_levels() - 1);
 }
 
+nlohmann::json describe_goal(const AccuracyGoal& goal) {
+  nlohmann::json all = nlohmann::json::object();
+  if (goal.indirect) all["indirect"] = *goal.indirect;
+  if (goal.visibility) all["visibility"] = *goal.visibility;
+  return all;
+}
+
 nlohmann::json describe_level(int level, const OptionValues& options, const nlohmann::json& error) {
-  return {{"level", level},
-          {"samples", options.at("samples.count")},
-          {"indirect", error["indirect"]["rel_rmse"]},
-          {"standard_error", error["indirect"]["standard_error"]},
-          {"light_error", error["indirect"]["light_error"]},
-          {"visibility", error["visibility_error"]}};
+  nlohmann::json line = {{"level", level}, {"samples", options.at("samples.count")}};
+  const bool judged = error.is_object();
+  const nlohmann::json indirect = judged ? error["indirect"] : nlohmann::json::object();
+  line["indirect"] = indirect.value("rel_rmse", nlohmann::json());
+  for (const char* noise : {"standard_error", "light_error"}) {
+    line[noise] = indirect.value(noise, nlohmann::json());
+  }
+  line["visibility"] = judged ? error["visibility_error"] : nlohmann::json();
+  return line;
 }
 
 }  // namespace prt

@@ -22,14 +22,19 @@ struct AccuracyGoal {
   [[nodiscard]] double excess(const nlohmann::json& error) const;
 };
 
-/// The options of a level: the method's, and test lights and paths enough to judge by the goal.
+/// The options of a level: the method's, and, where there is a goal, test lights and paths enough
+/// to judge by it.
 OptionValues options_at(const Method& method, const OptionValues& options, int level);
 
 /// The next level after one that missed its goal by `excess`: as many steps on as the error is
 /// likely to need, the last at most.
 int next_level(const Method& method, int level, double excess);
 
-/// One line per level in the report: level, samples and errors.
+/// {indirect, visibility}: those that are asked for.
+nlohmann::json describe_goal(const AccuracyGoal& goal);
+
+/// One line per level in the report: level, samples and errors. `error`: null where none was
+/// measured.
 nlohmann::json describe_level(int level, const OptionValues& options, const nlohmann::json& error);
 
 }  // namespace prt

@@ -11,6 +11,7 @@
 
 #include "apps/bake/evaluator.h"
 #include "apps/bake/report_pictures.h"
+#include "base/clock.h"
 #include "methods/method.h"
 #include "scene/scene.h"
 #include "store/file_system.h"
@@ -29,6 +30,8 @@ struct BakeProgram {
   std::function<std::vector<std::byte>(const Package&)> encode_package;
   /// Where the bake's folder lies.
   std::shared_ptr<FileSystem> file_system = std::make_shared<PosixFileSystem>();
+  /// Seconds, never running backwards: what a time limit is held against.
+  std::function<double()> clock = steady_seconds;
   /// Pictures for report.html; null: it has none.
   DrawReportPictures draw_pictures = nullptr;
 };

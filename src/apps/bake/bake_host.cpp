@@ -7,15 +7,15 @@
 
 namespace prt {
 
-Host::Host(Planner& planner, FileSystem& fs, BakeFolder& folder, WriteResults write_results,
-           bool keep_all, int verbosity)
+Host::Host(Planner& planner, History& history, FileSystem& fs, BakeFolder& folder,
+           WriteResults write_results, bool keep_all, int verbosity)
     : planner_(planner),
       folder_(folder),
       write_results_(std::move(write_results)),
       keep_all_(keep_all),
       progress_(verbosity),
       status_(fs, folder.path()),
-      history_(folder.found().made) {}
+      history_(history) {}
 
 void Host::record(const Record& record) {
   done_[record.done.task] = history_.tasks().size();

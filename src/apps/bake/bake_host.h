@@ -22,9 +22,10 @@ class Host : public BakeHost {
   /// Writes package, index and report; throws ResultDistrusted.
   using WriteResults = std::function<void(const Host& host, const FindResult& find)>;
 
-  /// `keep_all`: no artifact is let go (store.keep).
-  Host(Planner& planner, FileSystem& fs, BakeFolder& folder, WriteResults write_results,
-       bool keep_all, int verbosity);
+  /// `history` gets a line for each task that is done. `keep_all`: no artifact is let go
+  /// (store.keep).
+  Host(Planner& planner, History& history, FileSystem& fs, BakeFolder& folder,
+       WriteResults write_results, bool keep_all, int verbosity);
 
   void record(const Record& record) override;
   Event plan_on(const Coordinator& coordinator) override;
@@ -46,7 +47,7 @@ class Host : public BakeHost {
   bool keep_all_;
   Progress progress_;
   StatusFile status_;
-  History history_;
+  History& history_;
   BakePlan plan_;
   std::size_t planned_ = 0;
   int lost_ = 0;

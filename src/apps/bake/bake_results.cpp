@@ -53,7 +53,8 @@ class Results {
   void write() {
     encode();
     const bool is_new = !same_package() || history_.made() > 0 || !fs_.size(file(kCompleteName)) ||
-                        !fs_.size(file(kReportName)) || !fs_.size(file(kIndexName));
+                        !fs_.size(file(kReportName)) || !fs_.size(file(kIndexName)) ||
+                        !reported_limit();
     if (is_new) {
       // Gone for good before anything changes that it vouches for.
       if (fs_.remove(file(kCompleteName))) fs_.sync_dir(folder_.path());
@@ -72,9 +73,8 @@ class Results {
   [[nodiscard]] std::string package_name() const {
     return folder_.path().filename().string() + ".prt.glb";
   }
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - facts_.began).count();
-  }
+  /// Of this run.
+  [[nodiscard]] double seconds() const { return facts_.program.clock() - facts_.began; }
 
   void encode() {
     const auto of_level = [&](const std::string& task) { return result_(plan_.prefix + task); };
@@ -96,6 +96,24 @@ class Results {
   bool same_package() {
     if (fs_.size(file(package_name())) != package_.size()) return false;
     return hash_bytes(fs_.read(file(package_name()))) == content_;
+  }
+
+  /// Whether the report that is there tells of this time limit: another may well choose a level
+  /// that is there already.
+  [[nodiscard]] bool reported_limit() const {
+    const nlohmann::json report = read_json(kReportName);
+    const auto seconds_of = [](const nlohmann::json& limit) {
+      return limit.is_object() ? limit.value("seconds", nlohmann::json()) : nlohmann::json();
+    };
+    return report.is_object() &&
+           seconds_of(report.value("time_limit", nlohmann::json())) == seconds_of(plan_.time_limit);
+  }
+
+  /// A file of the bake's; what is no JSON is "discarded", which is neither object nor array.
+  [[nodiscard]] nlohmann::json read_json(const std::string& name) const {
+    const auto bytes = fs_.read(file(name));
+    const auto* begin = reinterpret_cast<const char*>(bytes.data());
+    return nlohmann::json::parse(begin, begin + bytes.size(), nullptr, false);
   }
 
   void write_folder_index() {
@@ -122,6 +140,7 @@ class Results {
                             cpu_seconds,    facts_.ranks,      facts_.hosts,   facts_.threads,
                             facts_.isa,     facts_.prediction, survey(history)};
     nlohmann::json report = make_report(facts, history);
+    report["time_limit"] = time_limit();
     report["error_of_light"] = error_of_light_;
     constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
     replace_file(fs_, file(kReportName), bytes_of(report.dump(2, ' ', false, kReplace) + "\n"));
@@ -149,9 +168,7 @@ class Results {
   /// What finer settings would bring, if somebody measured it; null if not.
   [[nodiscard]] nlohmann::json budget() const {
     if (!fs_.size(file(kBudgetName))) return nullptr;
-    const auto bytes = fs_.read(file(kBudgetName));
-    const auto* begin = reinterpret_cast<const char*>(bytes.data());
-    nlohmann::json budget = nlohmann::json::parse(begin, begin + bytes.size(), nullptr, false);
+    nlohmann::json budget = read_json(kBudgetName);
     const bool sound = budget.is_object() && budget.contains("rows") && budget["rows"].is_array();
     if (sound) return budget;
     log::warn("{}: no error budget can be read from it; {} goes without",
@@ -186,16 +203,43 @@ class Results {
     const std::string reached =
         fmt::format("indirect {}, visibility {} at level {}", last["indirect"].dump(),
                     last["visibility"].dump(), last["level"].dump());
+    const bool is_finest = last["level"] == facts_.config.method->effort_levels() - 1;
     if (plan_.accuracy["met"].get<bool>()) {
       log::info("accuracy: goal {} met: {}", plan_.accuracy["goal"].dump(), reached);
     } else {
-      log::warn("accuracy: goal {} NOT met by the finest level: {}", plan_.accuracy["goal"].dump(),
-                reached);
+      log::warn("accuracy: goal {} NOT met {}: {}", plan_.accuracy["goal"].dump(),
+                is_finest ? "by the finest level" : "within the time limit", reached);
+    }
+  }
+
+  /// As the plan has it, and what became of it; null without a limit.
+  [[nodiscard]] nlohmann::json time_limit() const {
+    nlohmann::json limit = plan_.time_limit;
+    if (limit.is_object()) add_used_seconds(limit, seconds() + history_.earlier_seconds());
+    return limit;
+  }
+
+  /// A limit too short for the coarsest level is no failure either.
+  void tell_time_limit() const {
+    const nlohmann::json limit = time_limit();
+    if (limit.is_null()) return;
+    const auto seconds = limit["seconds"].get<double>();
+    const auto used = limit["used_seconds"].get<double>();
+    const auto level = limit["level"].get<int>();
+    if (limit["met"].get<bool>()) {
+      log::info("time limit {:.1f} s: level {} in {:.1f} s", seconds, level, used);
+    } else if (level == 0) {
+      log::warn("time limit {:.1f} s is too short for the coarsest level: {:.1f} s, {:.1f} s over",
+                seconds, used, used - seconds);
+    } else {
+      log::warn("time limit {:.1f} s NOT met: level {} in {:.1f} s, {:.1f} s over", seconds, level,
+                used, used - seconds);
     }
   }
 
   void tell(bool is_new) const {
     tell_accuracy();
+    tell_time_limit();
     const std::size_t all = history_.tasks().size();
     if (!is_new) {
       log::info("already done: all {} artifacts are sound and {} is unchanged ({:.1f} s)", all,

@@ -1,7 +1,6 @@
 // What a finished bake leaves beside its artifacts: package, index, report, completion marker.
 #pragma once
 
-#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -26,7 +25,7 @@ struct BakeFacts {
   std::vector<std::string> hosts;  ///< one per rank
   int threads = 1;                 ///< of all ranks
   int ranks = 1;
-  std::chrono::steady_clock::time_point began;
+  double began = 0.0;                          ///< when this run began, by program.clock
   const BakePrediction* prediction = nullptr;  ///< null: none was made
 };
 

@@ -23,8 +23,6 @@ namespace prt {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// How long a rank may take to go home: after a signal Open MPI kills what is left after a second;
 /// after a failure others may be in the middle of something.
 constexpr std::chrono::milliseconds kInterruptedWithin{700};
@@ -79,7 +77,7 @@ class Session {
       : command_(command),
         program_(program),
         ranks_(ranks),
-        began_(Clock::now()),
+        began_(program.clock()),
         fs_(*program.file_system) {}
 
   ExitCode run() {
@@ -130,21 +128,28 @@ class Session {
       Planner planner(program_, *config_.method, config_.options, scene_, store);
       const ManifestContents manifest = read_manifest(fs_, config_.output / kManifestName);
       std::fputs(preview_plan(planner, store, hashes_, manifest).c_str(), stdout);
-      const bool aims = AccuracyGoal(config_.options).wanted();
-      if (aims) {
+      if (by_levels()) {
         std::fputs(
-            "\nThe accuracy asked for is aimed at level by level; this is the coarsest, and each "
+            "\nWhat is asked for is aimed at level by level; this is the coarsest, and each "
             "further one takes 2 to 3 times as long.\n",
             stdout);
       }
-      const auto prediction =
-          predict_bake(program_, *config_.method,
-                       aims ? options_at(*config_.method, config_.options, 0) : config_.options,
-                       scene_, program_.best_isa(), stop_flag());
+      const auto prediction = predict_bake(
+          program_, *config_.method,
+          by_levels() ? options_at(*config_.method, config_.options, 0) : config_.options, scene_,
+          program_.best_isa(), stop_flag());
       if (!prediction) return;
       const int threads =
           command_.threads > 0 ? command_.threads : share_cpus(ranks_.node_size()).threads;
       std::fputs(prediction_text(*prediction, threads, ranks_.size()).c_str(), stdout);
+      if (!by_levels()) return;
+      std::vector<double> seconds;
+      for (int level = 0; level < config_.method->effort_levels(); ++level) {
+        seconds.push_back(expected_seconds(program_, *config_.method, prediction->made,
+                                           options_at(*config_.method, config_.options, level),
+                                           threads * ranks_.size()));
+      }
+      std::fputs(levels_text(seconds).c_str(), stdout);
     });
     return ExitCode::kDone;
   }
@@ -211,33 +216,43 @@ class Session {
     return config_.options.get<std::string>("store.keep") == "all";
   }
 
-  /// Before a large bake begins: what the report compares with what then happens. It costs about a
-  /// second, so small bakes go without.
-  void predict() {
+  [[nodiscard]] bool by_levels() const {
+    return AccuracyGoal(config_.options).wanted() || time_limit_of(config_.options);
+  }
+
+  /// While a large bake begins: what the report compares with what then happens. It costs about a
+  /// second of CPU, so small bakes go without.
+  [[nodiscard]] std::unique_ptr<PredictionBeside> predict() const {
     constexpr double kWorthwhileRays = 2e7;
     const OptionValues& o = config_.options;
-    if (!folder_->found().entries.empty() || !o.is_set("samples.count")) return;
-    if (AccuracyGoal(o).wanted()) return;  // nobody knows how many levels it takes
-    if (o.get<double>("samples.count") * o.get<double>("rays.directions") < kWorthwhileRays) return;
-    try {
-      prediction_ = predict_bake(program_, *config_.method, o, scene_, isa_, stop_flag());
-    } catch (const std::exception& e) {
-      log::debug("nothing is predicted: {}", e.what());  // the bake itself will say what is wrong
-    }
+    if (!folder_->found().entries.empty() || !o.is_set("samples.count")) return nullptr;
+    if (by_levels()) return nullptr;  // nobody knows how many levels it takes
+    const double rays = o.get<double>("samples.count") * o.get<double>("rays.directions");
+    if (rays < kWorthwhileRays) return nullptr;
+    return std::make_unique<PredictionBeside>([this](const std::atomic<bool>& stop) {
+      return predict_bake(program_, *config_.method, config_.options, scene_, isa_, stop);
+    });
   }
 
   ExitCode coordinate() {
-    predict();
+    const auto prediction = predict();
     KnownContents known;
     for (const ManifestEntry& entry : folder_->found().entries) known[entry.key] = entry.content;
     Coordinator coordinator(coordinator_settings(), std::move(known));
-    Planner planner(program_, *config_.method, config_.options, scene_, folder_->store());
+    History history(folder_->found().made);
+    std::optional<TimedLevels> timed;
+    if (const auto limit = time_limit_of(config_.options)) {
+      timed.emplace(program_, *config_.method, config_.options, scene_,
+                    TimedLevels::Budget{*limit, began_, total_threads_}, history, *folder_);
+    }
+    Planner planner(program_, *config_.method, config_.options, scene_, folder_->store(),
+                    timed ? &*timed : nullptr);
     BakeRunner runner(world(folder_->store()));
     Slots slots(threads_, runner);
     const auto write = [&](const Host& host, const FindResult& find) {
-      finish(planner, host, find);
+      finish(planner, host, find, prediction ? prediction->get() : nullptr);
     };
-    Host host(planner, fs_, *folder_, write, keep_all(), command_.verbosity);
+    Host host(planner, history, fs_, *folder_, write, keep_all(), command_.verbosity);
     LoopEnd end = guarded([&] {
       return run_coordinator(coordinator, host, ranks_.link(), slots, service_settings());
     });
@@ -267,11 +282,11 @@ class Session {
     }
   }
 
-  void finish(Planner& planner, const Host& host, const FindResult& find) {
+  void finish(Planner& planner, const Host& host, const FindResult& find,
+              const BakePrediction* prediction) {
     const auto result = [&](const std::string& task) { return planner.read(task, find); };
-    const BakeFacts facts{program_,      config_, scene_,
-                          isa_,          hosts_,  total_threads_,
-                          ranks_.size(), began_,  prediction_ ? &*prediction_ : nullptr};
+    const BakeFacts facts{program_,       config_,       scene_, isa_,      hosts_,
+                          total_threads_, ranks_.size(), began_, prediction};
     write_results(facts, host.plan(), result, host.history(), *folder_, fs_);
   }
 
@@ -286,7 +301,7 @@ class Session {
   const BakeCommand& command_;
   const BakeProgram& program_;
   Ranks& ranks_;
-  Clock::time_point began_;
+  double began_;
   FileSystem& fs_;
   BakeConfig config_;
   Scene scene_;
@@ -295,7 +310,6 @@ class Session {
   int threads_ = 1;
   int total_threads_ = 1;
   std::vector<std::string> hosts_;
-  std::optional<BakePrediction> prediction_;
   mutable std::optional<BakeFolder> folder_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/bake/history.h"
 #include "base/error.h"
 #include "store/manifest.h"
 
@@ -30,11 +31,12 @@ class Planner::Inputs : public PlanInputs {
 };
 
 Planner::Planner(const BakeProgram& program, const Method& method, const OptionValues& options,
-                 const Scene& scene, const ArtifactStore& store)
+                 const Scene& scene, const ArtifactStore& store, TimedLevels* timed)
     : program_(program),
       method_(method),
       options_(options),
       scene_(scene),
+      timed_(timed),
       cache_(store, kCacheBytes) {}
 
 std::shared_ptr<const Artifact> Planner::read(const std::string& task, const FindResult& find) {
@@ -80,33 +82,69 @@ BakePlan Planner::plan_with(const OptionValues& options, const std::string& pref
 
 BakePlan Planner::plan(const FindResult& find) {
   const AccuracyGoal goal(options_);
-  return goal.wanted() ? plan_for(goal, find) : plan_with(options_, "", find);
+  const bool by_levels = goal.wanted() || time_limit_of(options_);
+  return by_levels ? plan_levels(goal, find) : plan_with(options_, "", find);
 }
 
-/// Level after level until the goal is met, each begun once the one before is judged. A level's
-/// tasks have ids of their own; what two levels have in common is made once.
-BakePlan Planner::plan_for(const AccuracyGoal& goal, const FindResult& find) {
-  if (method_.effort_levels() == 0 || !program_.evaluator) {
-    throw UserError("accuracy: the method " + method_.name() + " cannot aim at one; leave it out");
+/// Of a finished bake; null where it is not measured.
+nlohmann::json Planner::error_of(const BakePlan& plan, const FindResult& find) {
+  if (!program_.evaluator || plan.evaluation_results.empty()) return nullptr;
+  const auto judged = read(plan.evaluation_results.front(), find);
+  return judged ? program_.evaluator->error(*judged, scene_.origin) : nlohmann::json();
+}
+
+nlohmann::json Planner::figures(const std::string& task, const FindResult& find) {
+  const auto where = find(task);
+  if (!where) return nlohmann::json::object();
+  try {
+    return figures_of(*cache_.get(*where));
+  } catch (const UnsoundData&) {  // let go, or spoiled: a prediction can do without
+    return nlohmann::json::object();
   }
+}
+
+BakePlan Planner::plan_level(int level, const FindResult& find) {
+  return plan_with(options_at(method_, options_, level), std::to_string(level) + kLevelEnd, find);
+}
+
+/// Level after level until the goal is met or no other is likely to end in time, each begun once
+/// the one before is done. A level's tasks have ids of their own; what two levels have in common is
+/// made once.
+BakePlan Planner::plan_levels(const AccuracyGoal& goal, const FindResult& find) {
+  if (method_.effort_levels() == 0 || (goal.wanted() && !program_.evaluator)) {
+    throw UserError((goal.wanted() ? "accuracy: the method " : "time_limit: the method ") +
+                    method_.name() + " cannot aim at one; leave it out");
+  }
+  const auto limit = time_limit_of(options_);
   std::vector<TaskSpec> before;
   nlohmann::json levels = nlohmann::json::array();
+  std::vector<LevelChoice> choices;
   for (int level = 0;;) {
-    BakePlan plan =
-        plan_with(options_at(method_, options_, level), std::to_string(level) + kLevelEnd, find);
+    BakePlan plan = plan_level(level, find);
     plan.all.tasks.insert(plan.all.tasks.begin(), before.begin(), before.end());
-    const auto judged = plan.all.complete ? read(plan.evaluation_results.front(), find) : nullptr;
-    plan.all.complete = judged != nullptr;
-    if (!judged) return plan;
-    const nlohmann::json error = program_.evaluator->error(*judged, scene_.origin);
+    const auto is_done = [&](const TaskSpec& task) { return find(task.id).has_value(); };
+    plan.all.complete = plan.all.complete && std::ranges::all_of(plan.all.tasks, is_done);
+    if (!plan.all.complete) return plan;
+    const nlohmann::json error = error_of(plan, find);
     levels.push_back(describe_level(level, plan.options, error));
-    const double excess = goal.excess(error);
-    const int next = next_level(method_, level, excess);
-    if (excess <= 1.0 || next == level) {
-      plan.accuracy = {
-          {"goal", nlohmann::json::object()}, {"levels", levels}, {"met", excess <= 1.0}};
-      if (goal.indirect) plan.accuracy["goal"]["indirect"] = *goal.indirect;
-      if (goal.visibility) plan.accuracy["goal"]["visibility"] = *goal.visibility;
+    const double excess = goal.wanted() ? goal.excess(error) : 0.0;
+    const bool met = goal.wanted() && excess <= 1.0;
+    int next = met             ? level
+               : goal.wanted() ? next_level(method_, level, excess)
+                               : method_.effort_levels() - 1;
+    if (limit && next != level) {
+      plan.undecided = timed_ == nullptr;
+      plan.all.complete = !plan.undecided;
+      if (plan.undecided) return plan;
+      const auto read_figures = [&](const std::string& task) { return figures(task, find); };
+      choices.push_back(timed_->choose({level, plan.options, plan.prefix, read_figures}, next));
+      next = choices.back().level;
+    }
+    if (next == level) {
+      if (goal.wanted()) {
+        plan.accuracy = {{"goal", describe_goal(goal)}, {"levels", levels}, {"met", met}};
+      }
+      if (limit) plan.time_limit = describe_time_limit(*limit, levels, choices);
       return plan;
     }
     before = std::move(plan.all.tasks);

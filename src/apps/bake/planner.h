@@ -11,6 +11,7 @@
 #include "apps/bake/accuracy.h"
 #include "apps/bake/bake.h"
 #include "apps/bake/input_cache.h"
+#include "apps/bake/time_limit.h"
 #include "jobs/protocol.h"
 #include "store/artifact_store.h"
 
@@ -32,13 +33,16 @@ struct BakePlan {
   std::vector<std::string> evaluation_results;  ///< of BakeErrorMeter::plan; empty: none
   OptionValues options;  ///< what the results are made with: as configured, or a level of effort
   std::string prefix;    ///< of the ids of the tasks that belong to that level
-  nlohmann::json accuracy = nullptr;  ///< {goal, levels, met}; null: none is asked for
+  nlohmann::json accuracy = nullptr;    ///< {goal, levels, met}; null: none is asked for
+  nlohmann::json time_limit = nullptr;  ///< describe_time_limit; null: there is none
+  bool undecided = false;  ///< the next level hangs on a clock, and the planner has none
 };
 
 class Planner {
  public:
+  /// `timed` chooses levels where there is a time limit; null: such a plan ends undecided.
   Planner(const BakeProgram& program, const Method& method, const OptionValues& options,
-          const Scene& scene, const ArtifactStore& store);
+          const Scene& scene, const ArtifactStore& store, TimedLevels* timed = nullptr);
 
   /// Throws ResultDistrusted.
   BakePlan plan(const FindResult& find);
@@ -51,11 +55,15 @@ class Planner {
   class Inputs;
   BakePlan plan_with(const OptionValues& options, const std::string& prefix,
                      const FindResult& find);
-  BakePlan plan_for(const AccuracyGoal& goal, const FindResult& find);
+  BakePlan plan_level(int level, const FindResult& find);
+  BakePlan plan_levels(const AccuracyGoal& goal, const FindResult& find);
+  [[nodiscard]] nlohmann::json error_of(const BakePlan& plan, const FindResult& find);
+  [[nodiscard]] nlohmann::json figures(const std::string& task, const FindResult& find);
   const BakeProgram& program_;
   const Method& method_;
   const OptionValues& options_;
   const Scene& scene_;
+  TimedLevels* timed_;
   InputCache cache_;
   std::set<std::string> read_;
 };

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <map>
-#include <set>
 
 #include "apps/bake/history.h"
+#include "base/clock.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "methods/common/sampling.h"
 #include "store/hdf5_image.h"
 
@@ -43,8 +43,6 @@ OptionValues pilot_options(const OptionValues& wanted) {
   return options;
 }
 
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
 /// A bake whose artifacts stay in memory; one thread.
 class Pilot : public PlanInputs {
  public:
@@ -56,14 +54,6 @@ class Pilot : public PlanInputs {
         scene_(scene),
         caster_(program.make_ray_caster(scene, isa)),
         stop_(stop) {}
-
-  struct Stage {
-    double seconds = 0.0;
-    double bytes = 0.0;
-    double tasks = 0.0;
-    std::set<std::string> rounds;
-    std::map<std::string, double> sums;  ///< of figures, over tasks
-  };
 
   /// False if it was stopped.
   bool run() {
@@ -91,19 +81,9 @@ class Pilot : public PlanInputs {
     const auto found = results_.find(id);
     return found == results_.end() ? nullptr : found->second;
   }
-  [[nodiscard]] const std::vector<std::string>& order() const { return order_; }
-  [[nodiscard]] const std::map<std::string, Stage>& stages() const { return stages_; }
+  [[nodiscard]] const MadeStages& stages() const { return stages_; }
   [[nodiscard]] const std::vector<LeftOut>& left_out() const { return plan_.left_out; }
 
-  [[nodiscard]] StageFigures figures() const {
-    StageFigures all;
-    for (const auto& [name, stage] : stages_) {
-      for (const auto& [figure, sum] : stage.sums) all[name][figure] = sum / stage.tasks;
-      all[name]["tasks"] = stage.tasks;
-      all[name]["rounds"] = static_cast<double>(stage.rounds.size());
-    }
-    return all;
-  }
   [[nodiscard]] nlohmann::json survey() const {
     std::vector<nlohmann::json> rays;
     for (const auto& [id, artifact] : results_) {
@@ -136,7 +116,7 @@ class Pilot : public PlanInputs {
   };
 
   void make(const TaskSpec& task) {
-    const double began = cpu_seconds();
+    const double began = thread_cpu_seconds();
     const Reader reader(*this, task);
     const BakeErrorMeter* meter = program_.evaluator.get();
     const bool judges = meter != nullptr && std::ranges::count(meter->kinds(), task.kind) > 0;
@@ -145,14 +125,8 @@ class Pilot : public PlanInputs {
     // As a bake does: file, content, and read again to verify.
     const auto file = to_hdf5(*artifact, {task.kind, hash_text(task.id), task.version, ""});
     (void)from_hdf5(file);
-    if (!stages_.contains(task.kind)) order_.push_back(task.kind);
-    Stage& stage = stages_[task.kind];
-    stage.seconds += cpu_seconds() - began;
-    stage.bytes += static_cast<double>(file.size());
-    stage.tasks += 1.0;
-    stage.rounds.insert(task.id.substr(0, task.id.find('/')));
-    const nlohmann::json figures = figures_of(*artifact);
-    for (const auto& [name, value] : figures.items()) stage.sums[name] += value.get<double>();
+    stages_.add(task.id, task.kind, thread_cpu_seconds() - began, static_cast<double>(file.size()),
+                figures_of(*artifact));
     results_[task.id] = std::move(artifact);
   }
 
@@ -165,24 +139,8 @@ class Pilot : public PlanInputs {
   Memo memo_;
   Plan plan_;
   Results results_;
-  std::vector<std::string> order_;
-  std::map<std::string, Stage> stages_;
+  MadeStages stages_;
 };
-
-std::map<std::string, StageWork> work_of(const BakeProgram& program, const Method& method,
-                                         const BakeSize& size, const OptionValues& options,
-                                         const StageFigures& figures) {
-  std::vector<StageWork> all = method.work(size, options, figures);
-  if (program.evaluator) {
-    const auto judged = program.evaluator->work(size, options);
-    all.insert(all.end(), judged.begin(), judged.end());
-  }
-  std::map<std::string, StageWork> by_stage;
-  for (const StageWork& work : all) by_stage[work.stage] = work;
-  return by_stage;
-}
-
-double ratio(double wanted, double pilot) { return pilot > 0.0 ? wanted / pilot : 1.0; }
 
 }  // namespace
 
@@ -197,6 +155,22 @@ StagePrediction BakePrediction::total() const {
     sum.memory = std::max(sum.memory, s.memory);
   }
   return sum;
+}
+
+PredictionBeside::PredictionBeside(Predict predict)
+    : made_(std::async(std::launch::async, [this, predict = std::move(predict)] {
+        try {
+          return predict(stop_);
+        } catch (const std::exception& e) {
+          // The bake itself will say what is wrong.
+          log::debug("nothing is predicted: {}", e.what());
+          return std::optional<BakePrediction>();
+        }
+      })) {}
+
+const BakePrediction* PredictionBeside::get() {
+  if (made_.valid()) prediction_ = made_.get();
+  return prediction_ ? &*prediction_ : nullptr;
 }
 
 nlohmann::json survey_scene(const Scene& scene, const std::vector<nlohmann::json>& rays,
@@ -237,7 +211,7 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
                                            const OptionValues& options, const Scene& scene,
                                            const std::string& isa, const std::atomic<bool>& stop) {
   if (method.work({1.0, 1.0}, options, {}).empty()) return std::nullopt;
-  const double began = cpu_seconds();
+  const double began = thread_cpu_seconds();
   const OptionValues small = pilot_options(options);
   Pilot pilot(program, method, small, scene, isa, stop);
   try {
@@ -246,27 +220,20 @@ std::optional<BakePrediction> predict_bake(const BakeProgram& program, const Met
     return std::nullopt;
   }
   const auto samples = pilot.result(kSamplesTask);
-  const BakeSize had{samples->attribute<double>("samples"), samples->attribute<double>("clusters")};
+  if (!samples) return std::nullopt;  // a method without them: nothing to scale by
   BakePrediction prediction;
-  prediction.samples = expected_samples(options, samples->attribute<double>("area"));
-  prediction.clusters =
-      std::max(1.0, std::round(prediction.samples / options.get<double>("samples.cluster_size")));
-  const StageFigures figures = pilot.figures();
-  const auto wanted =
-      work_of(program, method, {prediction.samples, prediction.clusters}, options, figures);
-  const auto made = work_of(program, method, had, small, figures);
-  for (const std::string& name : pilot.order()) {
-    const auto& stage = pilot.stages().at(name);
-    const auto w = wanted.find(name);
-    if (w == wanted.end()) continue;
-    const StageWork& m = made.at(name);
-    prediction.stages.push_back({name, w->second.tasks, w->second.rays,
-                                 stage.seconds * ratio(w->second.work, m.work),
-                                 stage.bytes * ratio(w->second.bytes, m.bytes), w->second.memory});
-  }
+  const BakeSize size =
+      size_with(options, expected_samples(options, samples->attribute<double>("area")));
+  prediction.samples = size.samples;
+  prediction.clusters = size.clusters;
+  prediction.made = {
+      pilot.stages(),
+      {samples->attribute<double>("samples"), samples->attribute<double>("clusters")},
+      small};
+  prediction.stages = scale_bake(program, method, prediction.made, size, options);
   prediction.left_out = pilot.left_out();
   prediction.survey = pilot.survey();
-  prediction.pilot_seconds = cpu_seconds() - began;
+  prediction.pilot_seconds = thread_cpu_seconds() - began;
   return prediction;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 
 #include "base/log.h"
@@ -53,7 +54,7 @@ class Preview {
   void plan() {
     try {
       plan_ = planner_.plan([this](const std::string& task) { return coordinator_.result(task); });
-      events_.emplace_back(TasksAdded{plan_.all.tasks, plan_.all.complete});
+      events_.emplace_back(TasksAdded{plan_.all.tasks, plan_.all.complete || plan_.undecided});
     } catch (const ResultDistrusted& e) {
       log::warn("{}; a bake makes it again", e.what());
     }
@@ -115,6 +116,14 @@ std::string prediction_text(const BakePrediction& prediction, int threads, int r
     out += "expected to be left out: " + l.what + ": " + l.reason + "\n";
   }
   return out;
+}
+
+std::string levels_text(const std::vector<double>& seconds) {
+  std::string out = "levels of effort, each by itself:";
+  for (std::size_t level = 0; level < seconds.size(); ++level) {
+    out += fmt::format("{} {}: {:.0f} s", level == 0 ? "" : ",", level, std::ceil(seconds[level]));
+  }
+  return out + "\n";
 }
 
 }  // namespace prt

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "apps/bake/planner.h"
 #include "apps/bake/prediction.h"
@@ -16,5 +17,8 @@ std::string preview_plan(Planner& planner, const ArtifactStore& store, const Sce
 /// What the whole bake would take, as a table, with the survey of the scene and what is left out.
 /// `threads`: that each rank would run, `ranks`: of them.
 std::string prediction_text(const BakePrediction& prediction, int threads, int ranks);
+
+/// Wall seconds of each level of effort, the coarsest first, as far as a small bake can tell.
+std::string levels_text(const std::vector<double>& seconds);
 
 }  // namespace prt

@@ -111,25 +111,67 @@ std::string error_table(const json& error) {
   return out + "</table></div>\n";
 }
 
-/// The levels that were tried for an accuracy that was asked for; nothing without one.
-std::string accuracy_table(const json& accuracy) {
-  if (!accuracy.is_object()) return "";
-  std::string out = "<p><b>Accuracy asked for:</b>";
-  for (const auto& [figure, goal] : accuracy["goal"].items()) {
-    out += fmt::format(" {} {}", escaped(figure), percent(goal));
+/// A figure that nobody predicted is a dash, not a zero.
+template <typename Text>
+std::string predicted(const json& value, const Text& text) {
+  return value.is_null() ? std::string("–") : text(value);
+}
+
+std::string seconds_text(const json& s) { return fmt::format("{:.2f}", s.get<double>()); }
+
+std::string level_row(const json& level) {
+  std::string out = "<tr>";
+  for (const char* column : {"level", "samples"}) out += "<td>" + text_of(level[column]) + "</td>";
+  for (const char* column : {"indirect", "standard_error", "light_error", "visibility"}) {
+    out += "<td>" + percent(level[column]) + "</td>";
   }
-  out +=
-      accuracy["met"].get<bool>() ? ": met.</p>\n" : ": <b>not met</b> by the finest level.</p>\n";
-  out +=
+  for (const char* column : {"predicted_seconds", "seconds"}) {
+    out += "<td>" + predicted(member(level, {column}), seconds_text) + "</td>";
+  }
+  return out + "</tr>\n";
+}
+
+std::string levels_table(const json& levels) {
+  std::string out =
       "<div class=wide><table><tr><th>level</th><th>samples</th><th>indirect</th><th>noise ±</th>"
-      "<th>lights ±</th><th>visibility</th></tr>\n";
-  for (const json& l : accuracy["levels"]) {
-    out += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-        text_of(l["level"]), text_of(l["samples"]), percent(l["indirect"]),
-        percent(l["standard_error"]), percent(l["light_error"]), percent(l["visibility"]));
-  }
+      "<th>lights ±</th><th>visibility</th><th>predicted s</th><th>wall s</th></tr>\n";
+  for (const json& level : levels) out += level_row(level);
   return out + "</table></div>\n";
+}
+
+std::string time_limit_text(const json& limit) {
+  std::string out = fmt::format("<p><b>Time limit:</b> {} s; ", seconds_text(limit["seconds"]));
+  const bool met = limit["met"].get<bool>();
+  if (met) {
+    out += fmt::format("met with level {} after {} s.", text_of(limit["level"]),
+                       seconds_text(limit["used_seconds"]));
+  } else {
+    out += fmt::format("<b>not met</b>: level {}{} was done after {} s.", text_of(limit["level"]),
+                       limit["level"] == 0 ? ", the coarsest," : "",
+                       seconds_text(limit["used_seconds"]));
+  }
+  if (limit["next_seconds"].is_number()) {
+    out += fmt::format(" The next was expected to take {} s.", seconds_text(limit["next_seconds"]));
+  }
+  return out + "</p>\n";
+}
+
+/// What was asked for, an accuracy or a time, and the levels that were made for it; nothing where
+/// counts were.
+std::string goals(const json& report) {
+  const json accuracy = member(report, {"accuracy"});
+  const json limit = member(report, {"time_limit"});
+  std::string out;
+  if (accuracy.is_object()) {
+    out += "<p><b>Accuracy asked for:</b>";
+    for (const auto& [figure, goal] : accuracy["goal"].items()) {
+      out += fmt::format(" {} {}", escaped(figure), percent(goal));
+    }
+    out += accuracy["met"].get<bool>() ? ": met.</p>\n" : ": <b>not met</b>.</p>\n";
+  }
+  if (limit.is_object()) out += time_limit_text(limit);
+  const json& of = limit.is_object() ? limit : accuracy;
+  return of.is_object() ? out + levels_table(of["levels"]) : out;
 }
 
 constexpr std::size_t kWorstLights = 12;
@@ -206,14 +248,6 @@ std::string measured_text(const json& measured) {
   return text;
 }
 
-/// A figure that nobody predicted is a dash, not a zero.
-template <typename Text>
-std::string predicted(const json& value, const Text& text) {
-  return value.is_null() ? std::string("–") : text(value);
-}
-
-std::string seconds_text(const json& s) { return fmt::format("{:.2f}", s.get<double>()); }
-
 /// Time by stage, what was planned above what happened.
 std::string stage_bars(const json& stages) {
   double most = 1e-9;
@@ -280,11 +314,11 @@ details{margin:.8em 0}summary{cursor:pointer;color:var(--soft)}
 
 std::string error_section(const json& report) {
   const json& error = report["error"];
-  if (!error.is_object()) return "<p>Not measured.</p>\n";
+  if (!error.is_object()) return goals(report) + "<p>Not measured.</p>\n";
   return "<p>Irradiance against a path-traced reference, under lights that training never "
          "saw.</p>\n" +
-         accuracy_table(member(report, {"accuracy"})) + error_table(error) +
-         light_strip(member(report, {"error_of_light"})) + folded("every figure", facts(error));
+         goals(report) + error_table(error) + light_strip(member(report, {"error_of_light"})) +
+         folded("every figure", facts(error));
 }
 
 /// What was mended, left out or moved while loading.

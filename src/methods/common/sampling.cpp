@@ -28,7 +28,7 @@ constexpr std::size_t kRaysPerCandidate = 40;  // budget where most particles es
 constexpr std::uint64_t kParticlesPerTask = std::uint64_t{1} << 40;
 // Points per sample cell: on the gallery cell areas come out to about 18 %, cluster areas to 0.6 %.
 constexpr double kPointsPerCell = 32.0;
-constexpr std::uint64_t kPointsPerTask = 200000;
+constexpr std::uint64_t kPointsPerTask = 100000;
 constexpr std::uint64_t kMostPoints = 60'000'000;
 // A maximal Poisson-disk set of radius r has about this many samples per r².
 constexpr double kSamplesPerSquareRadius = 0.8;
@@ -127,7 +127,7 @@ std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
                        {"total", total},
                        {"first", first},
                        {"count", std::min(kPointsPerTask, total - first)}};
-    spec.cost = 0.4;
+    spec.cost = 0.2;
     result.push_back(spec);
   }
   return result;

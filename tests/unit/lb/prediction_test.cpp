@@ -5,7 +5,11 @@
 
 #include <atomic>
 #include <map>
+#include <stdexcept>
+#include <thread>
 
+#include "apps/bake/accuracy.h"
+#include "apps/bake/time_limit.h"
 #include "methods/lb/lb.h"
 #include "scene/load.h"
 #include "store/hdf5_image.h"
@@ -18,6 +22,8 @@ namespace {
 constexpr double kCountTolerance = 0.05;
 /// The goal of predictions. In seconds it depends on the machine's other work and is not tested.
 constexpr double kBytesFactor = 1.5;
+/// Of sums of a few seconds.
+constexpr double kRounding = 1e-9;
 
 BakeProgram program() {
   BakeProgram program;
@@ -56,6 +62,20 @@ TEST(Prediction, MeetsRaysAndBytesOfTheBake) {
   }
   EXPECT_LT(prediction->total().bytes, kBytesFactor * all);
   EXPECT_GT(prediction->total().bytes, all / kBytesFactor);
+  // Scaled to itself a bake takes what it took, and finer levels of effort take longer.
+  const auto itself = scale_bake(program(), lb_method(), prediction->made, prediction->made.size,
+                                 prediction->made.options);
+  for (const StagePrediction& stage : itself) {
+    EXPECT_NEAR(stage.seconds, prediction->made.stages.seconds(stage.stage), kRounding)
+        << stage.stage;
+  }
+  double coarser = 0.0;
+  for (int level = 0; level < lb_method().effort_levels(); ++level) {
+    const double seconds = expected_seconds(program(), lb_method(), prediction->made,
+                                            options_at(lb_method(), options, level), 2);
+    EXPECT_GT(seconds, coarser) << level;
+    coarser = seconds;
+  }
   RecordProperty("bytes_ratio", std::to_string(prediction->total().bytes / all));
   EXPECT_LT(prediction->survey["colour_spread"].get<double>(), 1.0);
   EXPECT_EQ(prediction->survey["escaped_share"].get<double>(), 0.0);  // the gallery is closed
@@ -66,6 +86,35 @@ TEST(Prediction, SaysNothingOnceItIsStopped) {
   const std::atomic<bool> stop = true;
   const OptionValues options = test::default_options(lb_method());
   EXPECT_FALSE(predict_bake(program(), lb_method(), options, scene, "", stop));
+}
+
+TEST(PredictionBeside, HandsOverWhatItsThreadMadeAndKeepsQuietAboutFailures) {
+  const auto bake = std::this_thread::get_id();
+  PredictionBeside beside([&](const std::atomic<bool>&) {
+    BakePrediction prediction;
+    prediction.samples = std::this_thread::get_id() == bake ? 0.0 : 7.0;
+    return std::optional(prediction);
+  });
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_NE(beside.get(), nullptr);
+    EXPECT_EQ(beside.get()->samples, 7.0);
+  }
+  PredictionBeside failing([](const std::atomic<bool>&) -> std::optional<BakePrediction> {
+    throw std::runtime_error("no");
+  });
+  EXPECT_EQ(failing.get(), nullptr);
+}
+
+TEST(PredictionBeside, IsGivenUpWithTheBake) {
+  std::atomic<bool> given_up = false;
+  {
+    const PredictionBeside endless([&](const std::atomic<bool>& stop) {
+      while (!stop) std::this_thread::yield();
+      given_up = true;
+      return std::optional<BakePrediction>();
+    });
+  }
+  EXPECT_TRUE(given_up);
 }
 
 }  // namespace

@@ -230,6 +230,27 @@ class CountingFileSystem : public PosixFileSystem {
   };
 };
 
+TEST_F(BakeFolderTest, KeepsChoicesThroughADamagedHeaderAndSyncsThemAtOnce) {
+  CountingFileSystem disk;
+  const LevelChoice first{hash_text("settings"), 0, 2, 12.5, 3.25};
+  const LevelChoice second{hash_text("settings"), 2, 2, 99.0, 14.0};
+  {
+    auto folder = BakeFolder::open(disk, bake_, "gallery.glb", false);
+    folder.manifest().append(entry("a"), 100.0);
+    folder.manifest().append(first);
+    EXPECT_EQ(disk.syncs, 1);
+    folder.manifest().append(second);
+  }
+  std::string text = read_text(manifest_);
+  text[0] = text[0] == '0' ? '1' : '0';
+  write_text(manifest_, text);
+  EXPECT_EQ(BakeFolder::open(disk, bake_, "gallery.glb", false).found().choices,
+            (std::vector{first, second}));
+  EXPECT_EQ(read_manifest(disk, manifest_).choices, (std::vector{first, second}));
+  EXPECT_EQ(entries().size(), 1U);
+  EXPECT_TRUE(BakeFolder::open(disk, bake_, "gallery.glb", true).found().choices.empty());
+}
+
 TEST_F(BakeFolderTest, SyncsInGroupsOfHalfASecond) {
   CountingFileSystem disk;
   auto folder = BakeFolder::open(disk, bake_, "gallery.glb", false);
