@@ -223,10 +223,11 @@ TEST_F(FarScene, PicturesAreTheSame) {
   std::string pictures[2];
   std::string* picture = pictures;
   for (const auto& [bake, move] : {std::pair{"home", kHome}, {"even", kEven}}) {
-    const Outcome outcome = run(
-        "prt_play", {package(bake), "--light", "point:" + place(kLamp, move) + ":9,8,7", "--camera",
-                     place({2.75 + kFine, 2.75, 4.0}, move) + "," + place({2.75, 2.5, -2.0}, move) + ",60",
-                     "--size", "64x48", "--out", file("picture.png")});
+    const Outcome outcome =
+        run("prt_play",
+            {package(bake), "--light", "point:" + place(kLamp, move) + ":9,8,7", "--camera",
+             place({2.75 + kFine, 2.75, 4.0}, move) + "," + place({2.75, 2.5, -2.0}, move) + ",60",
+             "--size", "64x48", "--out", file("picture.png")});
     ASSERT_EQ(outcome.code, 0) << outcome.text;
     *picture++ = test::read_text(file("picture.png"));
   }
