@@ -52,6 +52,11 @@ class Results {
 
   void write() {
     encode();
+    if (!plan_.time_limit.is_null()) {
+      // Once, so that report and log tell the same; writing them is all that follows.
+      time_limit_ = plan_.time_limit;
+      add_used_seconds(time_limit_, seconds() + history_.earlier_seconds());
+    }
     const bool is_new = !same_package() || history_.made() > 0 || !fs_.size(file(kCompleteName)) ||
                         !fs_.size(file(kReportName)) || !fs_.size(file(kIndexName)) ||
                         !reported_limit();
@@ -140,7 +145,7 @@ class Results {
                             cpu_seconds,    facts_.ranks,      facts_.hosts,   facts_.threads,
                             facts_.isa,     facts_.prediction, survey(history)};
     nlohmann::json report = make_report(facts, history);
-    report["time_limit"] = time_limit();
+    report["time_limit"] = time_limit_;
     report["error_of_light"] = error_of_light_;
     constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
     replace_file(fs_, file(kReportName), bytes_of(report.dump(2, ' ', false, kReplace) + "\n"));
@@ -212,21 +217,13 @@ class Results {
     }
   }
 
-  /// As the plan has it, and what became of it; null without a limit.
-  [[nodiscard]] nlohmann::json time_limit() const {
-    nlohmann::json limit = plan_.time_limit;
-    if (limit.is_object()) add_used_seconds(limit, seconds() + history_.earlier_seconds());
-    return limit;
-  }
-
   /// A limit too short for the coarsest level is no failure either.
   void tell_time_limit() const {
-    const nlohmann::json limit = time_limit();
-    if (limit.is_null()) return;
-    const auto seconds = limit["seconds"].get<double>();
-    const auto used = limit["used_seconds"].get<double>();
-    const auto level = limit["level"].get<int>();
-    if (limit["met"].get<bool>()) {
+    if (time_limit_.is_null()) return;
+    const auto seconds = time_limit_["seconds"].get<double>();
+    const auto used = time_limit_["used_seconds"].get<double>();
+    const auto level = time_limit_["level"].get<int>();
+    if (time_limit_["met"].get<bool>()) {
       log::info("time limit {:.1f} s: level {} in {:.1f} s", seconds, level, used);
     } else if (level == 0) {
       log::warn("time limit {:.1f} s is too short for the coarsest level: {:.1f} s, {:.1f} s over",
@@ -263,6 +260,7 @@ class Results {
   Package assembled_;
   nlohmann::json error_ = nlohmann::json::object();
   nlohmann::json error_of_light_;  // null: not measured
+  nlohmann::json time_limit_;      // BakePlan::time_limit, and what became of it
 };
 
 }  // namespace

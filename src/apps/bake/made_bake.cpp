@@ -20,8 +20,8 @@ std::map<std::string, StageWork> work_of(const BakeProgram& program, const Metho
   return by_stage;
 }
 
-/// What a task costs whatever its work, its file above all: without it a stage of milliseconds would
-/// be taken for hours of a bake whose work is a million times as much.
+/// What a task costs whatever its work, its file above all: without it a stage of milliseconds
+/// would be taken for hours of a bake whose work is a million times as much.
 constexpr double kTaskSeconds = 1e-3;
 
 /// Seconds of a stage that took so many, at `ratio` times the work.
@@ -56,7 +56,8 @@ StageFigures MadeStages::figures() const {
 }
 
 BakeSize size_with(const OptionValues& options, double samples) {
-  return {samples, std::max(1.0, std::round(samples / options.get<double>("samples.cluster_size")))};
+  return {samples,
+          std::max(1.0, std::round(samples / options.get<double>("samples.cluster_size")))};
 }
 
 std::vector<StagePrediction> scale_bake(const BakeProgram& program, const Method& method,
@@ -76,8 +77,7 @@ std::vector<StagePrediction> scale_bake(const BakeProgram& program, const Method
     stages.push_back({name, w->second.tasks, w->second.rays,
                       scaled_seconds(made.stages.seconds(name), h.tasks,
                                      ratio(w->second.work, h.work), w->second.tasks),
-                      made.stages.bytes(name) * ratio(w->second.bytes, h.bytes),
-                      w->second.memory});
+                      made.stages.bytes(name) * ratio(w->second.bytes, h.bytes), w->second.memory});
   }
   return stages;
 }

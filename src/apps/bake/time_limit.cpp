@@ -10,7 +10,7 @@ namespace prt {
 namespace {
 
 // What a level may take longer than foretold and still be chosen: predictions from the level before
-// were at most so far below what then happened (results/error.md).
+// were at most so far below what then happened (results/error.md, time as the input).
 constexpr double kMargin = 1.25;
 
 /// Of all that decides which levels there are, what they take and how fine they have to be.
@@ -72,8 +72,9 @@ LevelChoice TimedLevels::choose(const LevelDone& done, int most) {
   choices_.push_back(choice);
   const double left = budget_.limit - choice.used;
   if (choice.level == done.level) {
-    log::info("time limit: level {} is the last; the next would take about {:.1f} s, {:.1f} s are left",
-              done.level, choice.predicted, left);
+    log::info(
+        "time limit: level {} is the last; the next would take about {:.1f} s, {:.1f} s are left",
+        done.level, choice.predicted, left);
   } else {
     log::info("time limit: level {} after level {}, about {:.1f} s; {:.1f} s are left",
               choice.level, done.level, choice.predicted, left);
@@ -93,15 +94,13 @@ LevelChoice TimedLevels::choose_now(const LevelDone& done, int most) const {
   return {bake_, done.level, next.level, next.seconds, used};
 }
 
-std::vector<double> TimedLevels::seconds_after(const LevelDone& done, int most,
-                                               double took) const {
+std::vector<double> TimedLevels::seconds_after(const LevelDone& done, int most, double took) const {
   MadeBake made;
   made.options = done.options;
   made.size = size_with(made.options, made.options.get<double>("samples.count"));
   for (const TaskHistory& task : history_.tasks()) {
     if (level_of(task.task) != done.prefix) continue;
-    made.stages.add(task.task, task.stage, task.cost.seconds,
-                    static_cast<double>(task.cost.bytes),
+    made.stages.add(task.task, task.stage, task.cost.seconds, static_cast<double>(task.cost.bytes),
                     task.made ? task.figures : done.figures(task.task));
   }
   const auto expected = [&](const OptionValues& options) {

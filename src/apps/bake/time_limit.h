@@ -1,6 +1,6 @@
 // A time limit as the input: after the coarsest level of effort a bake goes on with the finest that
-// is likely to be done in what is left, and then again while another fits. Which level that is hangs
-// on clocks, so every choice is kept in the manifest, and a resume repeats none.
+// is likely to be done in what is left, and then again while another fits. Which level that is
+// hangs on clocks, so every choice is kept in the manifest, and a resume repeats none.
 #pragma once
 
 #include <functional>
