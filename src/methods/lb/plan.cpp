@@ -10,6 +10,7 @@
 #include "methods/common/rays.h"
 #include "methods/common/sampling.h"
 #include "methods/lb/near.h"
+#include "methods/lb/needless.h"
 
 namespace prt::lb {
 
@@ -23,6 +24,8 @@ constexpr int kTransferRank = 50;
 // An entry of less weight than so many mean rays is more noise than knowledge, and most entries are
 // of that kind: one by one they would cost more than all the rest.
 constexpr double kNearRays = 6.0;
+// From so many bounces on all of them cost no more: the same reduced system is solved.
+constexpr int kMostCounted = 2;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
 
@@ -33,6 +36,17 @@ class Planner {
       : in_(inputs), options_(inputs.options()), plan_(plan) {}
 
   void run() {
+    plan_stages();
+    if (clusters_ == 0) return;
+    if (all_done("visibility")) {
+      say(needless_visibility(in_, clusters_));
+    } else {
+      plan_.complete = false;  // what it left out is still to be said
+    }
+  }
+
+ private:
+  void plan_stages() {
     if (!plan_sampling(in_, plan_)) return;
     clusters_ = plan_rays(in_, plan_);
     const auto samples = in_.result(kSamplesTask);
@@ -41,6 +55,7 @@ class Planner {
     plan_visibility();
     const auto albedo = in_.result(kAlbedoTask);
     if (!albedo) return;
+    bounces_ = wanted_bounces(*albedo);
     if (const auto reason = no_indirect_light(*albedo)) {
       plan_.left_out.push_back({"transport", *reason});
       plan_.complete = true;
@@ -60,7 +75,6 @@ class Planner {
     }
   }
 
- private:
   TaskSpec make(const std::string& kind, const std::string& id, std::vector<std::string> inputs,
                 unsigned scene_parts, double cost) const {
     TaskSpec spec;
@@ -79,6 +93,13 @@ class Planner {
     for (std::size_t i = 0; i < count; ++i) ids.push_back(numbered(stage, i));
     return ids;
   }
+  [[nodiscard]] bool all_done(const std::string& stage) const {
+    return std::ranges::all_of(all(stage, clusters_),
+                               [&](const std::string& id) { return in_.result(id) != nullptr; });
+  }
+  void say(const std::vector<LeftOut>& left_out) {
+    plan_.left_out.insert(plan_.left_out.end(), left_out.begin(), left_out.end());
+  }
   /// Adds one task per cluster; `adapt` fills in what is its own.
   template <typename Adapt>
   void per_cluster(const std::string& kind, const std::string& stage, Adapt&& adapt) {
@@ -93,7 +114,8 @@ class Planner {
 
   void plan_visibility() {
     per_cluster("visibility", "visibility", [&](TaskSpec& spec, std::size_t c) {
-      spec.inputs = {numbered("rays", c)};
+      spec.inputs = {numbered("rays", c), kSamplesTask};
+      spec.version = 2;
       spec.parameters = {{"rank", options_.get<int>("lb.visibility_rank")},
                          {"bits", options_.get<int>("compression.bits")}};
       spec.cost = 2e-4 * size_of(c);
@@ -124,10 +146,12 @@ class Planner {
     std::vector<std::string> inputs = all("light_basis", clusters_);
     inputs.insert(inputs.begin(), kSamplesTask);
     TaskSpec bundle = make("light_functions", kLightFunctions, inputs, kNoScene, 1.0);
-    bundle.parameters["rank"] = options_.get<int>("lb.light_rank");
-    bundle.version = 2;
+    bundle.parameters = {{"rank", options_.get<int>("lb.light_rank")},
+                         {"tolerance", light_tolerance(options_)}};
+    bundle.version = 3;
     plan_.tasks.push_back(bundle);
     plan_.results.emplace_back(kLightFunctions);
+    if (const auto done = in_.result(kLightFunctions)) say(needless_light_functions(*done));
   }
 
   void add_compression(TaskSpec& spec) const {
@@ -152,9 +176,19 @@ class Planner {
     return std::nullopt;
   }
 
-  [[nodiscard]] int bounces() const {
-    return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
+  /// Bounces to compute; below 0: all there are. Three cost as much as all do.
+  [[nodiscard]] int wanted_bounces(const Artifact& albedo) {
+    if (!options_.is_auto("transport.bounces")) return options_.get<int>("transport.bounces");
+    const double largest = albedo.attribute<double>("largest");
+    const int enough = sufficient_bounces(largest, options_.get<double>("transport.tolerance"));
+    if (enough > kMostCounted || largest <= 0.0) return -1;
+    plan_.left_out.push_back(
+        {enough == 1 ? "all bounces but the first" : fmt::format("bounces after {}", enough),
+         fmt::format("the largest albedo is {:.3g}: they are at most {:.1e} of the indirect light",
+                     largest, std::pow(largest, enough))});
+    return enough;
   }
+  [[nodiscard]] int bounces() const { return bounces_; }
 
   [[nodiscard]] std::size_t channels() const { return static_cast<std::size_t>(channels_); }
   [[nodiscard]] int near_bounces() const {
@@ -235,19 +269,21 @@ class Planner {
       TaskSpec collected = make("snapshot_functions", bundle, inputs, kNoScene, 1.0);
       collected.version = 2;
       plan_.tasks.push_back(collected);
-      per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
-        spec.inputs = gather_inputs(c, bundle);
-        spec.parameters["channels"] = channels_;
-        spec.version = 2;
-        spec.cost = 3e-4 * size_of(c);
-      });
       inputs = all(snapshot, clusters_);
-      const auto rows = all(galerkin, clusters_);
-      inputs.insert(inputs.end(), rows.begin(), rows.end());
+      if (bounces() != 2) {  // what the snapshot bases send each other
+        per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
+          spec.inputs = gather_inputs(c, bundle);
+          spec.parameters["channels"] = channels_;
+          spec.version = 2;
+          spec.cost = 3e-4 * size_of(c);
+        });
+        const auto rows = all(galerkin, clusters_);
+        inputs.insert(inputs.end(), rows.begin(), rows.end());
+      }
       for (std::size_t channel = 0; channel < channels(); ++channel) {
         TaskSpec spec = make("solve", numbered(solve, channel), inputs, kNoScene, 1.0);
         spec.parameters = {{"channels", channels_}, {"channel", channel}, {"bounces", bounces()}};
-        spec.version = 2;
+        spec.version = 3;
         plan_.tasks.push_back(spec);
       }
     }
@@ -309,7 +345,8 @@ class Planner {
   void finish() {
     plan_.results.emplace_back(kAlbedoTask);
     for (const std::string& id : all(transfer_stage_, clusters_)) plan_.results.push_back(id);
-    plan_.complete = true;
+    plan_.complete = all_done(transfer_stage_);
+    if (plan_.complete) say(needless_blocks(in_, transfer_stage_, clusters_));
   }
 
   const PlanInputs& in_;
@@ -318,6 +355,7 @@ class Planner {
   std::size_t clusters_ = 0;
   std::vector<std::uint32_t> begin_;
   int channels_ = 3;
+  int bounces_ = -1;
   std::string transfer_stage_;
 };
 

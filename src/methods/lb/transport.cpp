@@ -157,7 +157,11 @@ Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader) {
 Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
   const auto channels = task.parameters["channels"].get<Eigen::Index>();
   const auto channel = task.parameters["channel"].get<Eigen::Index>();
-  const std::size_t clusters = task.inputs.size() / 2;
+  const int bounces = task.parameters["bounces"].get<int>();
+  // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
+  const int powers = bounces < 0 ? -1 : std::max(0, bounces - 2);
+  const bool reflects = powers != 0;
+  const std::size_t clusters = reflects ? task.inputs.size() / 2 : task.inputs.size();
   std::vector<MatrixF> reduced;
   std::vector<MatrixF> projected;
   Eigen::Index unknowns = 0;
@@ -167,25 +171,24 @@ Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
       return MatrixF(all.middleCols(channel * width, width));
     };
     projected.push_back(mine(reader.input(c)->matrix("projected")));
-    reduced.push_back(mine(reader.input(clusters + c)->matrix("reduced")));
-    unknowns += reduced.back().rows();
+    unknowns += projected.back().rows();
+    if (reflects) reduced.push_back(mine(reader.input(clusters + c)->matrix("reduced")));
   }
-  MatrixD r(unknowns, unknowns);
+  MatrixD r(reflects ? unknowns : 0, reflects ? unknowns : 0);
   MatrixD b(unknowns, projected[0].cols());
   Eigen::Index row = 0;
   for (std::size_t c = 0; c < clusters; ++c) {
-    const Eigen::Index k = reduced[c].rows();
-    r.middleRows(row, k) = reduced[c].cast<double>();
+    const Eigen::Index k = projected[c].rows();
+    if (reflects) r.middleRows(row, k) = reduced[c].cast<double>();
     b.middleRows(row, k) = projected[c].cast<double>();
     row += k;
   }
   reduced.clear();  // as large as half of r
   projected.clear();
   check_stop(reader);
-  const int bounces = task.parameters["bounces"].get<int>();
-  // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
-  const ReducedSolution solved = blaming_the_scene(
-      [&] { return solve_reduced(r, b, bounces < 0 ? -1 : std::max(0, bounces - 2)); });
+  const ReducedSolution solved =
+      reflects ? blaming_the_scene([&] { return solve_reduced(r, b, powers); })
+               : ReducedSolution{b, 0.0};
   Artifact out;
   out.put("solution", MatrixF(solved.x.cast<float>()), "W/m",
           "all bounces of every light function in the snapshot bases, one channel");
