@@ -42,4 +42,16 @@ float depth_visibility(const HemisphereDirections& directions, const Depth& dept
   return share;
 }
 
+/// Walls around a convex space with nothing in it: w × 4, each row the outward unit normal and the
+/// offset (m) of a plane. A point p of the space has normal·p <= offset. No rows: nothing around.
+inline constexpr Eigen::Index kMostWalls = 32;
+/// Walls may be so far off, as a share of the depth bound: lights on them are still inside.
+inline constexpr float kWallSlack = 1e-4F;
+
+/// 1 where a light at `distance` (m, kInfinity for one outside the scene) in unit direction
+/// `to_light` from a point inside stands within all walls, else 0. It replaces depth_visibility
+/// where nothing but walls is in the way.
+float wall_visibility(const MatrixF& walls, const Vec3f& inside, const Vec3f& to_light,
+                      float distance, float bound);
+
 }  // namespace prt

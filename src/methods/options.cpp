@@ -17,7 +17,7 @@ std::string number_text(double value) { return nlohmann::json(value).dump(); }
 std::string integer_text(double value) { return std::to_string(static_cast<long long>(value)); }
 
 bool allows_auto(Type type) {
-  return type == Type::kNumberOrAuto || type == Type::kIntegerOrAuto || type == Type::kPointOrAuto;
+  return type == Type::kNumberOrAuto || type == Type::kIntegerOrAuto || type == Type::kPointsOrAuto;
 }
 
 bool is_integer_type(Type type) { return type == Type::kInteger || type == Type::kIntegerOrAuto; }
@@ -35,9 +35,16 @@ bool is_point(const nlohmann::json& value) {
          std::ranges::all_of(value, [](const auto& v) { return v.is_number(); });
 }
 
+/// One point, or several.
+bool are_points(const nlohmann::json& value) {
+  return is_point(value) ||
+         (value.is_array() && !value.empty() && value.size() <= kMostGivenPoints &&
+          std::ranges::all_of(value, is_point));
+}
+
 bool fits(const OptionSpec& spec, const nlohmann::json& value) {
   if (allows_auto(spec.type) && value == "auto") return true;
-  if (spec.type == Type::kPointOrAuto) return is_point(value);
+  if (spec.type == Type::kPointsOrAuto) return are_points(value);
   if (!spec.choices.empty()) {
     const std::string word = value.is_string() ? value.get<std::string>() : value.dump();
     return value.is_string() == (spec.type == Type::kText) &&
@@ -61,8 +68,8 @@ std::string directions_trouble(const nlohmann::json& value) {
 
 std::string expected_value(const OptionSpec& spec) {
   std::string text;
-  if (spec.type == Type::kPointOrAuto) {
-    text = "a point [x, y, z]";
+  if (spec.type == Type::kPointsOrAuto) {
+    text = "points [[x, y, z], ...], a point [x, y, z]";
   } else if (!spec.choices.empty()) {
     return joined(spec.choices);
   } else if (spec.type == Type::kText) {
@@ -131,15 +138,14 @@ std::vector<OptionSpec> shared_options() {
        "mean number of samples in a cluster",
        lb + "§4.1"},
       {"samples.start",
-       Type::kPointOrAuto,
+       Type::kPointsOrAuto,
        "auto",
        0,
        0,
        {},
        "m",
-       "point inside the scene, in the file's world, where sampling starts; auto: the scene's "
-       "camera, "
-       "else searched for",
+       "point inside the scene, in the file's world, where sampling starts, or one in each of its "
+       "sealed rooms; auto: the scene's camera, else searched for",
        lb + "§4.1"},
       {"rays.directions",
        Type::kInteger,
@@ -167,7 +173,7 @@ std::vector<OptionSpec> shared_options() {
        1000,
        {},
        "",
-       "most bounces; auto: until the rest is below transport.tolerance",
+       "most bounces; auto: until at most transport.tolerance of the indirect light is missing",
        lb + "§4.3.2"},
       {"compression.tolerance",
        Type::kNumber,

@@ -9,8 +9,11 @@
 
 namespace prt {
 
+/// Points that one option may hold.
+inline constexpr std::size_t kMostGivenPoints = 64;
+
 struct OptionSpec {
-  enum class Type { kInteger, kNumber, kText, kNumberOrAuto, kIntegerOrAuto, kPointOrAuto };
+  enum class Type { kInteger, kNumber, kText, kNumberOrAuto, kIntegerOrAuto, kPointsOrAuto };
   std::string key;  ///< dotted: "lb.visibility_rank"
   Type type = Type::kNumber;
   nlohmann::json fallback;  ///< default value; null: none (unset)

@@ -9,7 +9,9 @@ namespace prt {
 
 inline constexpr const char* kExtension = "PRT_light_transfer";
 /// Raised whenever an older reader would misunderstand the file.
-inline constexpr std::uint64_t kFormatVersion = 1;
+inline constexpr std::uint64_t kFormatVersion = 2;
+/// What has no walls is written as the version that knows none: older readers read it, too.
+inline constexpr std::uint64_t kVersionWithoutWalls = 1;
 
 /// Scene::origin, left out where it is zero.
 inline constexpr const char* kOrigin = "origin";

@@ -33,6 +33,8 @@ const char* type_name(unsigned components) {
       return "VEC2";
     case 3:
       return "VEC3";
+    case 4:
+      return "VEC4";
     default:
       throw std::logic_error("no glTF type of that many components");
   }

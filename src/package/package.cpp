@@ -92,7 +92,28 @@ void check_samples(const Package& package, const Judge& judge) {
   }
 }
 
-void check_visibility(const DepthVisibility& v, const SampleSet& samples, const Judge& judge) {
+/// Planes beyond the scene would shut nothing out, and one that is not a plane anything.
+void check_walls(const DepthBlock& block, const Scene& scene, const std::string& name,
+                 const Judge& judge) {
+  const MatrixF& walls = block.walls;
+  if (walls.size() == 0) return;
+  judge.require(block.mean.rows == 0, name + " has walls and depths");
+  judge.require(walls.cols() == 4 && walls.rows() <= kMostWalls,
+                name + " has walls of other shape");
+  const Vec3f slack = Vec3f::Constant(kOffSceneTolerance * scene.diagonal());
+  const Eigen::AlignedBox3f box(scene.bounds_min - slack, scene.bounds_max + slack);
+  for (Eigen::Index w = 0; w < walls.rows(); ++w) {
+    const Vec3f normal = walls.block<1, 3>(w, 0).transpose();
+    judge.require(std::abs(normal.norm() - 1.0F) < kUnitTolerance,
+                  name + " has a wall without a unit normal");
+    const float centre = normal.dot(box.center());
+    const float reach = 0.5F * normal.cwiseAbs().dot(box.sizes());
+    judge.require(std::abs(walls(w, 3) - centre) <= reach, name + " has a wall off the scene");
+  }
+}
+
+void check_visibility(const DepthVisibility& v, const Scene& scene, const SampleSet& samples,
+                      const Judge& judge) {
   judge.require(std::isfinite(v.bound) && v.bound > 0.0F, "the depth bound is not positive");
   judge.require(v.bias >= 0.0F && v.bias < 1.0F, "the depth bias is not in [0, 1)");
   judge.require(v.clusters.size() == samples.clusters(),
@@ -107,6 +128,7 @@ void check_visibility(const DepthVisibility& v, const SampleSet& samples, const 
     check_matrix(block.mean, name, judge);
     check_matrix(block.basis, name, judge);
     check_matrix(block.coefficients, name, judge);
+    check_walls(block, scene, name, judge);
     const bool always_visible = block.mean.rows == 0;
     const std::uint32_t rank = block.basis.rows;
     judge.require(always_visible || is_shape(block.mean, 1, d),
@@ -269,7 +291,9 @@ class ProgramCheck {
 void validate(const Package& package, const std::string& file_name) {
   const Judge judge(file_name);
   check_samples(package, judge);
-  if (package.visibility) check_visibility(*package.visibility, package.samples, judge);
+  if (package.visibility) {
+    check_visibility(*package.visibility, package.scene, package.samples, judge);
+  }
   for (const auto& [name, op] : package.operators) {
     std::visit([&, &n = name](const auto& o) { check_operator(o, package.samples, n, judge); }, op);
   }

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "bases/depth_basis.h"
 #include "domains/directions.h"
 #include "domains/samples.h"
 #include "operators/blocks.h"
@@ -17,11 +18,13 @@
 namespace prt {
 
 /// Compressed depth buffers of one cluster: z ≈ mean + coefficients · basis (Leonhardt & Bohn, eq.
-/// 9). A cluster that sees everything has rank 0 and an empty mean: always visible.
+/// 9). A cluster that sees everything up to the walls of a convex space has rank 0 and an empty
+/// mean: there what is within its walls is visible.
 struct DepthBlock {
   QuantisedMatrix mean;          ///< 1 × d, or 0 × 0
   QuantisedMatrix basis;         ///< k × d
   QuantisedMatrix coefficients;  ///< n_c × k
+  MatrixF walls{};               ///< w × 4, see bases/depth_basis.h; none beside a mean
 };
 
 /// More directions than this are taken for a damaged file.

@@ -62,6 +62,22 @@ SampleSet read_samples(const Document& document, const Value& json) {
   return samples;
 }
 
+/// Inverse of the writer's add_walls().
+void read_walls(const Document& document, const Value& json, std::vector<DepthBlock>& blocks) {
+  const std::vector<Value> counts = json.list("wall_counts");
+  if (counts.size() != blocks.size()) json["wall_counts"].fail("should have an entry per cluster");
+  const std::vector<float> walls = read_array<float>(document, json["walls"], 4);
+  std::size_t used = 0;
+  for (std::size_t c = 0; c < blocks.size(); ++c) {
+    const std::uint64_t count = counts[c].whole();
+    if (count > walls.size() / 4 - used) counts[c].fail("there are not that many walls");
+    blocks[c].walls =
+        Eigen::Map<const MatrixF>(walls.data() + 4 * used, static_cast<Eigen::Index>(count), 4);
+    used += count;
+  }
+  if (4 * used != walls.size()) json["wall_counts"].fail("there are more walls than that");
+}
+
 DepthVisibility read_visibility(const Document& document, const Value& json) {
   DepthVisibility visibility;
   visibility.directions =
@@ -76,8 +92,9 @@ DepthVisibility read_visibility(const Document& document, const Value& json) {
   }
   for (std::size_t c = 0; c < means.size(); ++c) {
     visibility.clusters.push_back(
-        {std::move(means[c]), std::move(bases[c]), std::move(coefficients[c])});
+        {std::move(means[c]), std::move(bases[c]), std::move(coefficients[c]), {}});
   }
+  if (json.find("walls")) read_walls(document, json, visibility.clusters);
   return visibility;
 }
 
@@ -184,10 +201,10 @@ Value find_extension(const Document& document) {
                     document.name(), kExtension));
   }
   const std::uint64_t version = (*extension)["version"].whole();
-  if (version != kFormatVersion) {
+  if (version < kVersionWithoutWalls || version > kFormatVersion) {
     throw UserError(
-        fmt::format("{}: its {} has version {}, this program reads version {}; {}", document.name(),
-                    kExtension, version, kFormatVersion,
+        fmt::format("{}: its {} has version {}, this program reads versions {} to {}; {}",
+                    document.name(), kExtension, version, kVersionWithoutWalls, kFormatVersion,
                     version > kFormatVersion ? "use a newer program" : "bake it again"));
   }
   return *extension;

@@ -1,5 +1,6 @@
 #include "package/write.h"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -41,6 +42,21 @@ json write_samples(const SampleSet& samples, const std::vector<std::uint32_t>& n
           {"cluster_begin", writer.add(std::span(samples.cluster_begin))}};
 }
 
+bool has_walls(const DepthVisibility& visibility) {
+  return std::ranges::any_of(visibility.clusters,
+                             [](const DepthBlock& block) { return block.walls.size() > 0; });
+}
+
+void add_walls(const DepthVisibility& visibility, json& entry, GltfWriter& writer) {
+  std::vector<float> walls;
+  entry["wall_counts"] = json::array();
+  for (const DepthBlock& block : visibility.clusters) {
+    walls.insert(walls.end(), block.walls.data(), block.walls.data() + block.walls.size());
+    entry["wall_counts"].push_back(block.walls.rows());
+  }
+  entry["walls"] = writer.add(std::span<const float>(walls), 4);
+}
+
 json write_visibility(const DepthVisibility& visibility, GltfWriter& writer) {
   std::vector<const QuantisedMatrix*> means;
   std::vector<const QuantisedMatrix*> bases;
@@ -50,12 +66,14 @@ json write_visibility(const DepthVisibility& visibility, GltfWriter& writer) {
     bases.push_back(&block.basis);
     coefficients.push_back(&block.coefficients);
   }
-  return {{"directions", visibility.directions},
-          {"bound", visibility.bound},
-          {"bias", visibility.bias},
-          {"means", write_matrices(means, writer)},
-          {"bases", write_matrices(bases, writer)},
-          {"coefficients", write_matrices(coefficients, writer)}};
+  json entry = {{"directions", visibility.directions},
+                {"bound", visibility.bound},
+                {"bias", visibility.bias},
+                {"means", write_matrices(means, writer)},
+                {"bases", write_matrices(bases, writer)},
+                {"coefficients", write_matrices(coefficients, writer)}};
+  if (has_walls(visibility)) add_walls(visibility, entry, writer);
+  return entry;
 }
 
 json write_operator(const ClusterProjection& projection, GltfWriter& writer) {
@@ -143,7 +161,8 @@ json units() {
 
 json write_extension(const Package& package, const std::vector<std::uint32_t>& new_triangle,
                      GltfWriter& writer) {
-  json extension = {{"version", kFormatVersion},
+  const bool walls = package.visibility && has_walls(*package.visibility);
+  json extension = {{"version", walls ? kFormatVersion : kVersionWithoutWalls},
                     {"units", units()},
                     {"triangles", package.scene.triangles.size()},
                     {"samples", write_samples(package.samples, new_triangle, writer)},

@@ -35,8 +35,9 @@ DepthTables::DepthTables(const DepthVisibility& visibility, const SampleSet& sam
 DepthTables::Cluster DepthTables::decode(const DepthBlock& block, std::size_t directions,
                                          std::size_t samples) {
   Cluster cluster;
-  cluster.always_visible = block.mean.rows == 0;
-  if (cluster.always_visible) return cluster;
+  cluster.only_walls = block.mean.rows == 0;
+  cluster.walls = block.walls;
+  if (cluster.only_walls) return cluster;
   const MatrixF mean = block.mean.decode();
   const MatrixF basis = block.basis.decode();
   const MatrixF coefficients = block.coefficients.decode();
@@ -65,7 +66,10 @@ float DepthTables::visibility(std::uint32_t sample, std::uint32_t cluster, const
                               float distance) const {
   const Cluster& table = clusters_[cluster];
   const Vec3f local = samples_->frame(sample).transpose() * to_light;
-  if (table.always_visible) return local.z() > 0.0F ? 1.0F : 0.0F;
+  if (table.only_walls) {
+    if (local.z() <= 0.0F) return 0.0F;
+    return wall_visibility(table.walls, samples_->positions[sample], to_light, distance, bound_);
+  }
   const std::size_t place = sample - samples_->cluster_begin[cluster];
   const float* coefficients = table.coefficients.data() + place * table.stride;
   const auto depth = [&](int direction) {

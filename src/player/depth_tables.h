@@ -25,7 +25,8 @@ class DepthTables {
   /// The mean is one more basis row, with coefficient 1; rows are padded with zeros to whole
   /// vectors.
   struct Cluster {
-    bool always_visible = false;
+    bool only_walls = false;  ///< nothing but walls is in the way
+    MatrixF walls;            ///< w × 4
     std::size_t stride = 0;
     Floats basis;         ///< directions × stride
     Floats coefficients;  ///< samples of the cluster × stride

@@ -81,7 +81,8 @@ std::vector<Vec3f> light_places(const Scene& scene, const RayCaster& caster,
       if (!((place - from).dot(reached.normals[r]) > 0.0F)) return std::nullopt;
       return caster.visible(from, place);
     };
-    if (caster.visible(settings.start, place) ||
+    const auto from_start = [&](const Vec3f& start) { return caster.visible(start, place); };
+    if (std::ranges::any_of(settings.starts, from_start) ||
         sees_some(reached.size(), kWitnesses, kLooksOfPlace, random, sees)) {
       places.push_back(place);
     }
@@ -90,9 +91,14 @@ std::vector<Vec3f> light_places(const Scene& scene, const RayCaster& caster,
 }
 
 bool reachable(const Scene& scene, const RayCaster& caster, const std::vector<Vec3f>& places,
-               const Vec3f& start, const Vec3f& position, const Vec3f& normal, Random& random) {
+               const std::vector<Vec3f>& starts, const Vec3f& position, const Vec3f& normal,
+               Random& random) {
   const Vec3f from = offset_origin(scene, position, normal);
-  if ((start - from).dot(normal) > 0.0F && caster.visible(from, start)) return true;
+  if (std::ranges::any_of(starts, [&](const Vec3f& start) {
+        return (start - from).dot(normal) > 0.0F && caster.visible(from, start);
+      })) {
+    return true;
+  }
   return sees_some(places.size(), 1, kLooksOfPoint, random,
                    [&](std::uint32_t i) -> std::optional<bool> {
                      if (!((places[i] - from).dot(normal) > 0.0F)) return std::nullopt;
@@ -116,7 +122,7 @@ SurfacePoints draw_area_points(const Scene& scene, const RayCaster& caster,
     const Vec3f position = triangle_point(scene, p.triangle, p.u, p.v);
     const Vec3f front = triangle_normal(scene, p.triangle);
     for (const Vec3f& normal : std::array<Vec3f, 2>{front, -front}) {
-      if (!reachable(scene, caster, places, settings.start, position, normal, random)) continue;
+      if (!reachable(scene, caster, places, settings.starts, position, normal, random)) continue;
       kept.positions.push_back(position);
       kept.normals.push_back(normal);
       kept.triangles.push_back(p.triangle);

@@ -24,15 +24,15 @@ AreaPoint area_point(const std::vector<double>& cumulative, std::uint64_t k, std
                      std::uint64_t stream, Random& random);
 
 struct AreaPointSettings {
-  Vec3f start = Vec3f::Zero();  ///< where particles start: in the open
-  std::uint64_t total = 0;      ///< stratified points, each looked at from both sides
-  std::uint64_t first = 0;      ///< those numbered first, first + step, ...: tasks take turns
+  std::vector<Vec3f> starts;  ///< where particles start: in the open
+  std::uint64_t total = 0;    ///< stratified points, each looked at from both sides
+  std::uint64_t first = 0;    ///< those numbered first, first + step, ...: tasks take turns
   std::uint64_t step = 1;
   std::uint64_t stream = 0;  ///< random stream
 };
 
-/// The points that light can reach: those that see the start, or a place where a light might
-/// stand: random ones of the light_box of `reached`, where particles were, that see the start or
+/// The points that light can reach: those that see a start, or a place where a light might
+/// stand: random ones of the light_box of `reached`, where particles were, that see a start or
 /// two points of `reached` from their front. Fills in what particles seldom meet, far ground in an
 /// open scene, and adds nothing inside solids or outside closed rooms. Depends on `reached` and the
 /// settings alone; none where nothing was reached.

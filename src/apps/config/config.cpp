@@ -68,17 +68,26 @@ std::optional<json> as_number(const YAML::Node& node) {
   return number;
 }
 
+/// A list of numbers or of points, cut where it is too long to be either.
+json list_of(const YAML::Node& node) {
+  constexpr std::size_t kMostNumbers = 4;
+  const bool lists = node.size() > 0 && node[0].IsSequence();
+  json list = json::array();
+  for (std::size_t i = 0; i < std::min(node.size(), lists ? kMostGivenPoints + 1 : kMostNumbers);
+       ++i) {
+    if (lists && node[i].IsSequence() && !(node[i].size() > 0 && node[i][0].IsSequence())) {
+      list.push_back(list_of(node[i]));
+      continue;
+    }
+    const auto number = as_number(node[i]);
+    list.push_back(number ? json(number->get<double>()) : json("?"));
+  }
+  return list;
+}
+
 /// The value as JSON, of the option's own number type where it fits; check_option judges it then.
 json to_json(const OptionSpec& spec, const YAML::Node& node) {
-  if (node.IsSequence()) {
-    constexpr std::size_t kMostShown = 4;
-    json list = json::array();
-    for (std::size_t i = 0; i < std::min(node.size(), kMostShown); ++i) {
-      const auto number = as_number(node[i]);
-      list.push_back(number ? json(number->get<double>()) : json("?"));
-    }
-    return list;
-  }
+  if (node.IsSequence()) return list_of(node);
   if (node.IsMap()) return json("a section");
   if (node.IsNull()) return nullptr;
   if (spec.type == Type::kText) return node.Scalar();

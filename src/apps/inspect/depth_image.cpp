@@ -31,6 +31,11 @@ Depths read_depths(const BakeReader& bake, int cluster, int index) {
   const std::string number = fmt::format("{:04}", cluster);
   const auto rays = bake.artifact("rays/" + number);
   const auto visibility = bake.artifact("visibility/" + number);
+  if (visibility->has("walls")) {
+    throw UserError(fmt::format(
+        "--cluster {}: it sees everything up to its walls and has no depth basis; take another",
+        cluster));
+  }
   const auto packed = rays->values<std::uint16_t>("distance");
   const auto& dims = rays->at("distance").dims;
   if (dims.size() != 2) throw UnsoundData("rays/" + number + ": distance is not a matrix");

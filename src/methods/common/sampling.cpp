@@ -1,7 +1,8 @@
 #include "methods/common/sampling.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/hash.h"
@@ -55,9 +56,14 @@ std::size_t wanted_samples(const PlanInputs& inputs) {
       std::clamp(kSamplesPerSquareRadius * 2.0 * area / (spacing * spacing), 1.0, 2e7));
 }
 
-/// samples.start is a place in the world.
+/// samples.start is a place in the world, or several.
 nlohmann::json start_in_scene(const nlohmann::json& start, const Scene& scene) {
   if (!scene.recentred()) return start;
+  if (start[0].is_array()) {
+    nlohmann::json all = nlohmann::json::array();
+    for (const auto& one : start) all.push_back(start_in_scene(one, scene));
+    return all;
+  }
   const auto world = start.get<std::array<double, 3>>();
   const Vec3d place = Vec3d(world[0], world[1], world[2]) - scene.origin;
   return {place.x(), place.y(), place.z()};
@@ -133,35 +139,46 @@ std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
   return result;
 }
 
+Vec3f point_of(const nlohmann::json& xyz) {
+  return {xyz[0].get<float>(), xyz[1].get<float>(), xyz[2].get<float>()};
+}
+
 Artifact run_start(const TaskSpec& task, const TaskReader& reader) {
-  std::array<float, 3> start{};
-  if (task.parameters.contains("start")) {
-    start = task.parameters["start"].get<std::array<float, 3>>();
+  std::vector<Vec3f> starts;
+  const auto& p = task.parameters;
+  if (!p.contains("start")) {
+    starts.push_back(find_start(reader.scene(), reader.ray_caster(),
+                                stream_key(p["seed"].get<std::uint64_t>(), "start")));
+  } else if (p["start"][0].is_array()) {
+    for (const auto& start : p["start"]) starts.push_back(point_of(start));
   } else {
-    const Vec3f found =
-        find_start(reader.scene(), reader.ray_caster(),
-                   stream_key(task.parameters["seed"].get<std::uint64_t>(), "start"));
-    start = {found.x(), found.y(), found.z()};
+    starts.push_back(point_of(p["start"]));
   }
   Artifact out;
-  out.put<float>("start", start, {1, 3}, "m", "where sampling particles start");
+  out.put("start", starts, "m", "where sampling particles start");
   return out;
 }
 
+/// As many particles from each start, and points that light from any of them can reach.
 Artifact run_candidates(const TaskSpec& task, const TaskReader& reader) {
+  const std::vector<Vec3f> starts = reader.input(0)->points("start");
+  const auto seed = task.parameters["seed"].get<std::uint64_t>();
   ParticleSettings settings;
-  settings.start = reader.input(0)->points("start").at(0);
-  settings.wanted = task.parameters["wanted"].get<std::size_t>();
+  settings.wanted = task.parameters["wanted"].get<std::size_t>() / starts.size();
   settings.ray_budget = kRaysPerCandidate * settings.wanted;
-  settings.stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "candidates");
   settings.first_particle = task.parameters["part"].get<std::uint64_t>() * kParticlesPerTask;
-  SurfacePoints points = trace_particles(reader.scene(), reader.ray_caster(), settings);
+  SurfacePoints points;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    settings.start = starts[i];
+    settings.stream = stream_key(seed, i == 0 ? "candidates" : fmt::format("candidates {}", i));
+    points.append(trace_particles(reader.scene(), reader.ray_caster(), settings));
+  }
   AreaPointSettings area;
-  area.start = settings.start;
+  area.starts = starts;
   area.total = task.parameters["area_points"].get<std::uint64_t>();
   area.first = task.parameters["part"].get<std::uint64_t>();
   area.step = task.parameters["parts"].get<std::uint64_t>();
-  area.stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "area points");
+  area.stream = stream_key(seed, "area points");
   points.append(draw_area_points(reader.scene(), reader.ray_caster(), points, area));
   Artifact out;
   out.put("position", points.positions, "m", "candidate positions");

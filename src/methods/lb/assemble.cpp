@@ -26,7 +26,8 @@ DepthVisibility visibility_of(const Result& result, std::size_t clusters,
     const auto part = result(numbered("visibility", c));
     visibility.bound = part->attribute<float>("bound");
     visibility.clusters.push_back({get_quantised(*part, "mean"), get_quantised(*part, "basis"),
-                                   get_quantised(*part, "coefficients")});
+                                   get_quantised(*part, "coefficients"),
+                                   part->has("walls") ? part->matrix("walls") : MatrixF()});
   }
   return visibility;
 }

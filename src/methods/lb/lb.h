@@ -13,6 +13,8 @@
 // - Light between samples that fill much of each other's hemisphere (lb.near_share) goes entry by
 //   entry, three times to and fro, and the light functions serve the rest: what a near wall sends
 //   back changes within a few samples, and owned most of the error.
+// - A cluster that sees everything up to the walls of a convex space has no visibility basis: walls
+//   say the same exactly. Elsewhere the basis has no functions whose energy rounding would drown.
 // - Inner products are weighted by cell area: samples are only nearly uniform, and the transport
 //   operator is symmetric in that product alone.
 // - Basis functions are scaled by the typical size of their coefficients, so that truncation and

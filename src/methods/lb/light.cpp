@@ -264,22 +264,42 @@ Artifact run_light_basis(const TaskSpec& task, const TaskReader& reader) {
 namespace {
 
 /// How many functions each cluster keeps: those with the greatest effect of all, `mean` per cluster
-/// taken together, one at least.
-std::vector<Eigen::Index> share_out(const std::vector<VectorF>& strengths, std::size_t mean) {
+/// taken together, one at least, and none that are needless: those together may hold `tolerance` of
+/// the effect.
+struct Shares {
+  std::vector<Eigen::Index> kept;  ///< of each cluster
+  std::size_t needless = 0;        ///< for which there would have been room
+  double needless_effect = 0.0;    ///< of all that are too weak, relative
+};
+
+Shares share_out(const std::vector<VectorF>& strengths, std::size_t mean, double tolerance) {
   struct Offer {
     float strength;
     std::uint32_t cluster;
   };
   std::vector<Offer> offers;
-  std::vector<Eigen::Index> kept(strengths.size(), 1);
+  Shares shares;
+  shares.kept.assign(strengths.size(), 1);
+  double all = 0.0;
   for (std::uint32_t c = 0; c < strengths.size(); ++c) {
+    all += strengths[c].cast<double>().squaredNorm();
     for (Eigen::Index k = 1; k < strengths[c].size(); ++k) offers.push_back({strengths[c][k], c});
   }
   std::stable_sort(offers.begin(), offers.end(),
                    [](const Offer& a, const Offer& b) { return a.strength > b.strength; });
-  const std::size_t budget = (mean - 1) * strengths.size();
-  for (std::size_t i = 0; i < std::min(budget, offers.size()); ++i) ++kept[offers[i].cluster];
-  return kept;
+  const std::size_t room = std::min((mean - 1) * strengths.size(), offers.size());
+  double weak = 0.0;  // from the weakest on, so that no small one is lost in the sum
+  while (!offers.empty()) {
+    const double with_next = weak + std::pow(static_cast<double>(offers.back().strength), 2);
+    if (with_next > tolerance * tolerance * all) break;
+    weak = with_next;
+    offers.pop_back();
+  }
+  shares.needless_effect = all > 0.0 ? std::sqrt(weak / all) : 0.0;
+  shares.needless = room - std::min(room, offers.size());
+  offers.resize(std::min(room, offers.size()));
+  for (const Offer& offer : offers) ++shares.kept[offer.cluster];
+  return shares;
 }
 
 /// Size of a function's coefficient over the example lights; where no example stood it keeps a tiny
@@ -347,7 +367,9 @@ Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader) {
     strengths.emplace_back(
         Eigen::Map<const VectorF>(values.data(), static_cast<Eigen::Index>(values.size())));
   }
-  const auto kept = share_out(strengths, task.parameters["rank"].get<std::size_t>());
+  const Shares shares = share_out(strengths, task.parameters["rank"].get<std::size_t>(),
+                                  task.parameters["tolerance"].get<double>());
+  const std::vector<Eigen::Index>& kept = shares.kept;
   std::vector<MatrixF> functions;
   std::vector<MatrixF> projections;
   std::vector<MatrixF> coefficients;
@@ -366,6 +388,8 @@ Artifact run_light_functions(const TaskSpec& task, const TaskReader& reader) {
   put_projections(out, collect(projections, samples));
   put_coefficients(out, all, coefficients);
   out.attributes = {{"functions", all.count()},
+                    {"needless", shares.needless},
+                    {"needless_effect", shares.needless_effect},
                     {"largest_rank", *std::max_element(kept.begin(), kept.end())}};
   return out;
 }
@@ -408,8 +432,13 @@ Artifact run_window_functions(const TaskSpec& task, const TaskReader& reader) {
   std::vector<MatrixF> functions(part->clusters().size());
   std::vector<MatrixF> other(functions.size());
   const auto from = task.parameters["from"].get<std::vector<std::size_t>>();
+  int needless = 0;
+  double most_effect = 0.0;
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const RegionFunctions source(*reader.input(1 + i), regions.at(from[i]), all);
+    const auto bundle = reader.input(1 + i);
+    needless += bundle->attribute<int>("needless");
+    most_effect = std::max(most_effect, bundle->attribute<double>("needless_effect"));
+    const RegionFunctions source(*bundle, regions.at(from[i]), all);
     for (const auto& [cluster, place] : source.places) {
       const std::uint32_t k = part->local(cluster);
       if (k == kNone) continue;
@@ -426,7 +455,9 @@ Artifact run_window_functions(const TaskSpec& task, const TaskReader& reader) {
   } else {
     put_coefficients(out, collected, other);
   }
-  out.attributes = {{"functions", collected.count()}};
+  out.attributes = {{"functions", collected.count()},
+                    {"needless", needless},
+                    {"needless_effect", most_effect}};
   return out;
 }
 

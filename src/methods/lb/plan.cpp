@@ -10,6 +10,7 @@
 #include "methods/common/rays.h"
 #include "methods/common/sampling.h"
 #include "methods/lb/near.h"
+#include "methods/lb/needless.h"
 #include "methods/lb/regions.h"
 #include "methods/lb/scene_part.h"
 
@@ -27,6 +28,8 @@ constexpr int kTransferRank = 50;
 constexpr double kNearRays = 6.0;
 // Example lights of a region at least, however many regions share the lights of a window.
 constexpr std::size_t kLeastLights = 256;
+// From so many bounces on all of them cost no more: the same reduced system is solved.
+constexpr int kMostCounted = 2;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
 
@@ -37,6 +40,17 @@ class Planner {
       : in_(inputs), options_(inputs.options()), plan_(plan) {}
 
   void run() {
+    plan_stages();
+    if (clusters_ == 0) return;
+    if (all_done("visibility")) {
+      say(needless_visibility(in_, clusters_));
+    } else {
+      plan_.complete = false;  // what it left out is still to be said
+    }
+  }
+
+ private:
+  void plan_stages() {
     if (!plan_sampling(in_, plan_)) return;
     clusters_ = plan_rays(in_, plan_);
     const auto samples = in_.result(kSamplesTask);
@@ -45,6 +59,7 @@ class Planner {
     plan_visibility();
     const auto albedo = in_.result(kAlbedoTask);
     if (!albedo) return;
+    bounces_ = wanted_bounces(*albedo);
     if (const auto reason = no_indirect_light(*albedo)) {
       plan_.left_out.push_back({"transport", *reason});
       plan_.complete = true;
@@ -65,7 +80,6 @@ class Planner {
     }
   }
 
- private:
   TaskSpec make(const std::string& kind, const std::string& id, std::vector<std::string> inputs,
                 unsigned scene_parts, double cost) const {
     TaskSpec spec;
@@ -84,6 +98,13 @@ class Planner {
     for (std::size_t i = 0; i < count; ++i) ids.push_back(numbered(stage, i));
     return ids;
   }
+  [[nodiscard]] bool all_done(const std::string& stage) const {
+    return std::ranges::all_of(all(stage, clusters_),
+                               [&](const std::string& id) { return in_.result(id) != nullptr; });
+  }
+  void say(const std::vector<LeftOut>& left_out) {
+    plan_.left_out.insert(plan_.left_out.end(), left_out.begin(), left_out.end());
+  }
   /// Adds one task per cluster; `adapt` fills in what is its own.
   template <typename Adapt>
   void per_cluster(const std::string& kind, const std::string& stage, Adapt&& adapt) {
@@ -98,7 +119,8 @@ class Planner {
 
   void plan_visibility() {
     per_cluster("visibility", "visibility", [&](TaskSpec& spec, std::size_t c) {
-      spec.inputs = {numbered("rays", c)};
+      spec.inputs = {numbered("rays", c), kSamplesTask};
+      spec.version = 2;
       spec.parameters = {{"rank", options_.get<int>("lb.visibility_rank")},
                          {"bits", options_.get<int>("compression.bits")}};
       spec.cost = 2e-4 * size_of(c);
@@ -181,13 +203,15 @@ class Planner {
                              regions_.several() ? numbered("region_functions", r) : kLightFunctions,
                              {kSamplesTask}, kNoScene, 1.0);
       append(bundle.inputs, numbered_all("light_basis", regions_[r].clusters));
-      bundle.parameters["rank"] = options_.get<int>("lb.light_rank");
-      bundle.version = 2;
+      bundle.parameters = {{"rank", options_.get<int>("lb.light_rank")},
+                           {"tolerance", light_tolerance(options_)}};
+      bundle.version = 3;
       regions_.place(bundle, r);
       plan_.tasks.push_back(bundle);
     }
     if (regions_.several()) plan_window_functions();
     plan_.results.emplace_back(kLightFunctions);
+    if (const auto done = in_.result(kLightFunctions)) say(needless_light_functions(*done));
   }
 
   /// What each window's tasks read, and for the package the functions of all clusters.
@@ -232,9 +256,19 @@ class Planner {
     return std::nullopt;
   }
 
-  [[nodiscard]] int bounces() const {
-    return options_.is_auto("transport.bounces") ? -1 : options_.get<int>("transport.bounces");
+  /// Bounces to compute; below 0: all there are. Three cost as much as all do.
+  [[nodiscard]] int wanted_bounces(const Artifact& albedo) {
+    if (!options_.is_auto("transport.bounces")) return options_.get<int>("transport.bounces");
+    const double largest = albedo.attribute<double>("largest");
+    const int enough = sufficient_bounces(largest, options_.get<double>("transport.tolerance"));
+    if (enough > kMostCounted || largest <= 0.0) return -1;
+    plan_.left_out.push_back(
+        {enough == 1 ? "all bounces but the first" : fmt::format("bounces after {}", enough),
+         fmt::format("the largest albedo is {:.3g}: they are at most {:.1e} of the indirect light",
+                     largest, std::pow(largest, enough))});
+    return enough;
   }
+  [[nodiscard]] int bounces() const { return bounces_; }
 
   [[nodiscard]] std::size_t channels() const { return static_cast<std::size_t>(channels_); }
   [[nodiscard]] int near_bounces() const {
@@ -327,20 +361,22 @@ class Planner {
         regions_.place(collected, r);
         plan_.tasks.push_back(collected);
       }
-      per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
-        spec.inputs = gather_inputs(c, regions_.name(bundle, regions_.of(c)));
-        spec.parameters["channels"] = channels_;
-        spec.version = 3;
-        spec.cost = 3e-4 * size_of(c);
-        regions_.place(spec, regions_.of(c));
-      });
+      if (bounces() != 2) {  // what the snapshot bases send each other
+        per_cluster("galerkin", galerkin, [&](TaskSpec& spec, std::size_t c) {
+          spec.inputs = gather_inputs(c, regions_.name(bundle, regions_.of(c)));
+          spec.parameters["channels"] = channels_;
+          spec.version = 3;
+          spec.cost = 3e-4 * size_of(c);
+          regions_.place(spec, regions_.of(c));
+        });
+      }
       for (std::size_t r = 0; r < regions_.count(); ++r) {
         std::vector<std::string> inputs = numbered_all(snapshot, regions_[r].window);
-        append(inputs, numbered_all(galerkin, regions_[r].window));
+        if (bounces() != 2) append(inputs, numbered_all(galerkin, regions_[r].window));
         for (std::size_t channel = 0; channel < channels(); ++channel) {
           TaskSpec spec = make("solve", solved(solve, r)[channel], inputs, kNoScene, 1.0);
           spec.parameters = {{"channels", channels_}, {"channel", channel}, {"bounces", bounces()}};
-          spec.version = 3;
+          spec.version = 4;
           regions_.place(spec, r);
           plan_.tasks.push_back(spec);
         }
@@ -405,7 +441,8 @@ class Planner {
   void finish() {
     plan_.results.emplace_back(kAlbedoTask);
     for (const std::string& id : all(transfer_stage_, clusters_)) plan_.results.push_back(id);
-    plan_.complete = true;
+    plan_.complete = all_done(transfer_stage_);
+    if (plan_.complete) say(needless_blocks(in_, transfer_stage_, clusters_));
   }
 
   const PlanInputs& in_;
@@ -415,6 +452,7 @@ class Planner {
   Regions regions_;
   std::vector<std::uint32_t> begin_;
   int channels_ = 3;
+  int bounces_ = -1;
   std::string transfer_stage_;
 };
 

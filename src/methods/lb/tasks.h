@@ -9,7 +9,8 @@
 
 namespace prt::lb {
 
-/// rays/c → quantised depth mean, basis, coefficients (LB §4.2).
+/// rays/c, samples → quantised depth mean, basis, coefficients (LB §4.2), or walls where a cluster
+/// sees everything up to them.
 Artifact run_visibility(const TaskSpec& task, const TaskReader& reader);
 
 /// samples → positions of example lights (LB §4.3.1).
@@ -29,7 +30,8 @@ Artifact run_snapshot(const TaskSpec& task, const TaskReader& reader);
 Artifact run_snapshot_functions(const TaskSpec& task, const TaskReader& reader);
 /// samples, albedo, rays/c, snapshot_functions → one cluster's rows of the reduced operator.
 Artifact run_galerkin(const TaskSpec& task, const TaskReader& reader);
-/// snapshot/*, galerkin/* → solution of one channel's reduced system for every light function.
+/// snapshot/*, galerkin/* (none for two bounces) → solution of one channel's reduced system for
+/// every light function.
 Artifact run_solve(const TaskSpec& task, const TaskReader& reader);
 /// samples, rays/c → near entries of one cluster's samples.
 Artifact run_near(const TaskSpec& task, const TaskReader& reader);

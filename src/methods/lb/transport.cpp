@@ -189,9 +189,10 @@ struct Rows {
 /// window of its own region: of those the columns that this window has, too, are taken.
 class ReducedSystem {
  public:
-  ReducedSystem(const TaskSpec& task, const TaskReader& reader)
+  /// Without `reflects` only the right-hand side is read: light goes no farther than once.
+  ReducedSystem(const TaskSpec& task, const TaskReader& reader, bool reflects)
       : regions_(shared_regions(task, reader)) {
-    const std::size_t count = own_inputs(task) / 2;
+    const std::size_t count = own_inputs(task) / (reflects ? 2 : 1);
     if (regions_->empty()) {
       clusters_.resize(count);
       std::iota(clusters_.begin(), clusters_.end(), 0U);
@@ -208,12 +209,14 @@ class ReducedSystem {
     std::vector<Rows> reduced;
     for (std::size_t k = 0; k < count; ++k) {
       projected.emplace_back(*reader.input(k), "projected", channel, channels);
-      reduced.emplace_back(*reader.input(count + k), "reduced", channel, channels);
+      if (reflects) {
+        reduced.emplace_back(*reader.input(count + k), "reduced", channel, channels);
+      }
     }
     r = put_together(reduced);
     b = put_together(projected);
   }
-  MatrixD r;  ///< unknowns × unknowns
+  MatrixD r;  ///< unknowns × unknowns, or empty
   MatrixD b;  ///< unknowns × light functions
 
  private:
@@ -257,18 +260,19 @@ class ReducedSystem {
 }  // namespace
 
 Artifact run_solve(const TaskSpec& task, const TaskReader& reader) {
-  ReducedSystem system(task, reader);
-  check_stop(reader);
   const int bounces = task.parameters["bounces"].get<int>();
   // X itself is the first bounce and U·x what T sends on, so N bounces need N − 2 powers of R.
-  const ReducedSolution solved = blaming_the_scene([&] {
-    return solve_reduced(system.r, system.b, bounces < 0 ? -1 : std::max(0, bounces - 2));
-  });
+  const int powers = bounces < 0 ? -1 : std::max(0, bounces - 2);
+  ReducedSystem system(task, reader, powers != 0);
+  check_stop(reader);
+  const ReducedSolution solved =
+      powers != 0 ? blaming_the_scene([&] { return solve_reduced(system.r, system.b, powers); })
+                  : ReducedSolution{system.b, 0.0};
   Artifact out;
   out.put("solution", MatrixF(solved.x.cast<float>()), "W/m",
           "all bounces of every light function in the snapshot bases, one channel");
   out.attributes = {{"channel", task.parameters["channel"].get<int>()},
-                    {"unknowns", system.r.rows()},
+                    {"unknowns", system.b.rows()},
                     {"reduced_residual", solved.residual}};
   return out;
 }

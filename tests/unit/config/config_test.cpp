@@ -117,6 +117,23 @@ TEST_F(ConfigTest, TheCommandLineOverridesAndTheLastOneWins) {
             1.0);
 }
 
+TEST_F(ConfigTest, SamplingMayStartInSeveralRooms) {
+  const auto start = [&](const std::string& points) {
+    return load("scene: a.glb\nsamples: {start: " + points + "}\n").options.at("samples.start");
+  };
+  EXPECT_EQ(start("[[1, 2.5, -3], [4, 5, 6]]"),
+            nlohmann::json::parse("[[1.0, 2.5, -3.0], [4.0, 5.0, 6.0]]"));
+  for (const char* points : {"[[1, 2], [3, 4, 5]]", "[]", "[[]]", "[[1, 2, 3], 4]", "[[[1, 2, 3]]]",
+                             "[1, 2, 3, 4]", "[[1, 2, 3], [4, 5, x]]"}) {
+    EXPECT_THAT(error(std::string("scene: a.glb\nsamples: {start: ") + points + "}\n"),
+                HasSubstr("points [[x, y, z], ...]"))
+        << points;
+  }
+  std::string many = "[";
+  for (std::size_t i = 0; i <= kMostGivenPoints; ++i) many += "[1, 2, 3],";
+  EXPECT_NE(error("scene: a.glb\nsamples: {start: " + many + "]}\n"), "");
+}
+
 TEST_F(ConfigTest, SpacingStandsInForCount) {
   const BakeConfig spacing = load("scene: a.glb\nsamples: {spacing: 0.1}\n");
   EXPECT_FALSE(spacing.options.is_set("samples.count"));

@@ -283,6 +283,52 @@ TEST_F(PackageFile, ClustersThatSeeEverythingHaveNoDepths) {
   EXPECT_EQ(after.visibility->clusters[3].basis.rows, 64U);
 }
 
+TEST_F(PackageFile, KeepsWalls) {
+  Package package = synthetic_room();
+  test::see_up_to_walls(package, test::SyntheticRoom().size);
+  package.visibility->clusters[2].walls.resize(0, 4);
+  const Package after = round_trip(package);
+  for (std::size_t c = 0; c < package.visibility->clusters.size(); ++c) {
+    EXPECT_EQ(after.visibility->clusters[c].walls, package.visibility->clusters[c].walls);
+    EXPECT_EQ(after.visibility->clusters[c].mean.rows, 0U);
+  }
+}
+
+TEST_F(PackageFile, OnlyWallsNeedANewReader) {
+  const auto version = [](const Package& package) {
+    const std::vector<std::byte> bytes = encode_package(package);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string key = "\"version\":";
+    // The asset's version is a string.
+    for (auto at = text.find(key); at != text.npos; at = text.find(key, at + 1)) {
+      if (text[at + key.size()] != '"') return text[at + key.size()];
+    }
+    return '?';
+  };
+  Package package = synthetic_room();
+  EXPECT_EQ(version(package), '1');
+  test::see_up_to_walls(package, test::SyntheticRoom().size);
+  EXPECT_EQ(version(package), '2');
+}
+
+TEST_F(PackageFile, RefusesCountsOfWallsThatDoNotFit) {
+  Package package = synthetic_room();
+  test::see_up_to_walls(package, test::SyntheticRoom().size);
+  const std::vector<std::byte> sound = encode_package(package);
+  const std::string counts = "\"wall_counts\":[5,5,5,5,5,5]";
+  for (const char* hostile : {"\"wall_counts\":[6,5,5,5,5,5]", "\"wall_counts\":[4,5,5,5,5,5]",
+                              "\"wall_counts\":[5,5,5,5,5  ]", "\"wall_counts\":[-5,5,5,5,5,]",
+                              "\"wall_counts\":7            "}) {
+    std::vector<std::byte> bytes = sound;
+    auto* text = reinterpret_cast<char*>(bytes.data());
+    const auto at = std::string_view(text, bytes.size()).find(counts);
+    ASSERT_NE(at, std::string_view::npos);
+    std::copy_n(hostile, counts.size(), text + at);
+    write_bytes(bytes);
+    EXPECT_NE(complaint(), "") << hostile;
+  }
+}
+
 TEST_F(PackageFile, RefusesOtherVersions) {
   std::vector<std::byte> bytes = encode_package(synthetic_room());
   const std::string version = "\"version\":1,";  // the extension's: the asset's is a string
@@ -365,6 +411,26 @@ INSTANTIATE_TEST_SUITE_P(
           auto& left = std::get<ClusterTransfer>(p.operators["transfer"]).receivers[2].left;
           left = quantise(MatrixF::Ones(144, 2), 32).matrix;
         }));
+
+MatrixF& walls_of(Package& p, Eigen::Index rows) {
+  p.visibility->clusters[1] = {};
+  MatrixF& walls = p.visibility->clusters[1].walls;
+  walls = MatrixF::Zero(rows, 4);
+  walls.col(2).setOnes();
+  return walls;
+}
+INSTANTIATE_TEST_SUITE_P(Walls, Unsound,
+                         ::testing::Values<Spoil>(
+                             [](Package& p) {
+                               p.visibility->clusters[1].walls = MatrixF::Identity(1, 4);
+                             },
+                             [](Package& p) { walls_of(p, 2)(1, 2) = 0.5F; },
+                             [](Package& p) { walls_of(p, 2)(1, 0) = NAN; },
+                             [](Package& p) { walls_of(p, 2)(1, 3) = NAN; },
+                             [](Package& p) { walls_of(p, 2)(1, 3) = -0.1F; },
+                             [](Package& p) { walls_of(p, 2)(1, 3) = INFINITY; },
+                             [](Package& p) { walls_of(p, kMostWalls + 1); },
+                             [](Package& p) { walls_of(p, 2).resize(1, 3); }));
 
 using Near = NearTransfer;
 Near& near_of(Package& p) { return std::get<Near>(p.operators["near"]); }

@@ -194,6 +194,22 @@ Scene rich_scene(const Vec3f& size) {
   return scene;
 }
 
+void see_up_to_walls(Package& package, const Vec3f& size) {
+  for (std::size_t c = 0; c < package.samples.clusters(); ++c) {
+    const Vec3f& own = package.samples.normals[package.samples.cluster_begin[c]];
+    MatrixF walls = MatrixF::Zero(5, 4);
+    Eigen::Index w = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const float side : {-1.0F, 1.0F}) {
+        if (own[axis] * side < 0.0F) continue;  // its own
+        walls(w, axis) = side;
+        walls(w++, 3) = side > 0.0F ? size[axis] : 0.0F;
+      }
+    }
+    package.visibility->clusters[c] = {{}, {}, {}, walls};
+  }
+}
+
 void add_near(Package& package, std::uint32_t channels) {
   const auto n = static_cast<std::uint32_t>(package.samples.size());
   NearTransfer near;

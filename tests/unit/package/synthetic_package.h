@@ -20,6 +20,9 @@ struct SyntheticRoom {
 /// between their directions the soft test still shadows a little near the edges.
 Package synthetic_room(const SyntheticRoom& room = {});
 
+/// Lets every cluster of a synthetic room see everything up to the room's walls: five each.
+void see_up_to_walls(Package& package, const Vec3f& size);
+
 /// Adds near transfer to a synthetic room: sample r gets a quarter of what sample (r + 7) mod n and
 /// a half of what sample (r + 50) mod n sends back; albedo 0.2, 0.4, 0.8, or 0.4 for one channel.
 void add_near(Package& package, std::uint32_t channels = 3);

@@ -107,6 +107,38 @@ TEST(Evaluator, NearSendersAddTheirShareOfDirectLight) {
   }
 }
 
+TEST(Evaluator, WallsLetInWhatIsWithinThem) {
+  const Vec3f size = test::SyntheticRoom().size;
+  Package room = synthetic_room();
+  const Package unshadowed = synthetic_room({.directions = 0});
+  test::see_up_to_walls(room, size);
+  validate(room, "room");
+  const Evaluator evaluator(room);
+  const Evaluator free(unshadowed);
+  const std::vector<Light> inside = {
+      point_light(0.3F * size), point_light({0.5F * size.x(), size.y(), 0.5F * size.z()}),
+      Light{.kind = Light::Kind::kSphere, .position = 0.5F * size, .radius = 0.2F}};
+  for (const Light& light : inside) {
+    EXPECT_EQ(play(evaluator, {light}).direct, play(free, {light}).direct);
+  }
+  // The walls are closed on every side, to the sun as well.
+  std::vector<Light> outside;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-0.01F, 1.01F}) {
+      Vec3f p = 0.4F * size;
+      p[axis] = side * size[axis];
+      outside.push_back(point_light(p));
+      Light sun{.kind = Light::Kind::kSun};
+      sun.direction = (0.5F * size - p).normalized();
+      outside.push_back(sun);
+    }
+  }
+  for (const Light& light : outside) {
+    EXPECT_FALSE(play(free, {light}).direct.isZero(0.0F));
+    EXPECT_TRUE(play(evaluator, {light}).direct.isZero(0.0F));
+  }
+}
+
 TEST(Evaluator, TwiceThePowerIsExactlyTwiceTheLight) {
   Package room = synthetic_room({.bits = 8});
   test::add_near(room);

@@ -30,7 +30,8 @@ Drawn draw(Scene scene, const Vec3f& start) {
   d.scene = std::move(scene);
   const auto caster = make_embree_ray_caster(d.scene);
   ParticleSettings particles;
-  particles.start = d.settings.start = start;
+  particles.start = start;
+  d.settings.starts = {start};
   particles.wanted = 1000;
   particles.ray_budget = 40000;
   particles.stream = 1;
