@@ -65,9 +65,10 @@ std::vector<LeftOut> needless_blocks(const PlanInputs& inputs, const std::string
   }
   const std::size_t all = clusters * clusters;
   if (kept == all) return {};
-  return {{fmt::format("transfer blocks of {} of {} pairs of clusters", all - kept, all),
-           fmt::format("they exchange next to nothing: at most {:.1e} of a cluster's indirect light",
-                       dropped)}};
+  return {
+      {fmt::format("transfer blocks of {} of {} pairs of clusters", all - kept, all),
+       fmt::format("they exchange next to nothing: at most {:.1e} of a cluster's indirect light",
+                   dropped)}};
 }
 
 std::vector<LeftOut> needless_light_functions(const Artifact& functions) {

@@ -8,8 +8,8 @@
 
 namespace prt::lb {
 
-/// From the artifacts of the stage "visibility", all of them finished: clusters that need no depths,
-/// functions that their bases do without, light from outside.
+/// From the artifacts of the stage "visibility", all of them finished: clusters that need no
+/// depths, functions that their bases do without, light from outside.
 std::vector<LeftOut> needless_visibility(const PlanInputs& inputs, std::size_t clusters);
 
 /// From those of a stage of transfer: pairs of clusters that exchange next to nothing.

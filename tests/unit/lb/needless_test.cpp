@@ -103,10 +103,9 @@ TEST(Needless, AnEmptyRoomHasNoVisibilityBasis) {
   for (const Light& light : lights_within(Vec3f::Zero(), Vec3f::Constant(kSide))) {
     const std::vector<Light> one = {light};
     const SampleIrradiance played = evaluator.evaluate(one);
-    const MatrixF exact =
-        direct_irradiance(scene, baked.bake.caster(), baked.samples(), 0,
-                          static_cast<std::uint32_t>(baked.samples().size()),
-                          std::vector<Vec3f>{light.position}, 0.0F);
+    const MatrixF exact = direct_irradiance(scene, baked.bake.caster(), baked.samples(), 0,
+                                            static_cast<std::uint32_t>(baked.samples().size()),
+                                            std::vector<Vec3f>{light.position}, 0.0F);
     // The reference leaves a little in front of the surface, which a light near by notices.
     constexpr double kOffset = 2e-4;
     const double off =
@@ -120,7 +119,8 @@ TEST(Needless, AClosedRoomHasNoEscapeData) {
   EXPECT_NE(baked.reason("escape data"), "");
   // Not even the sun, which shines wherever a ray escapes, comes in.
   const Evaluator evaluator(baked.package);
-  for (const Vec3f& direction : {Vec3f(0, -1, 0), Vec3f(0.6F, 0, 0.8F), Vec3f(-0.6F, 0.64F, 0.48F)}) {
+  for (const Vec3f& direction :
+       {Vec3f(0, -1, 0), Vec3f(0.6F, 0, 0.8F), Vec3f(-0.6F, 0.64F, 0.48F)}) {
     Light sun{.kind = Light::Kind::kSun};
     sun.direction = direction;
     const std::vector<Light> one = {sun};
@@ -300,8 +300,8 @@ TEST(Needless, LightFunctionsWithoutEffectAreLeftOut) {
     }
   }
   EXPECT_GT(functions->attribute<int>("needless"), 0);
-  EXPECT_NE(baked.reason(std::to_string(functions->attribute<int>("needless")) + " light functions"),
-            "");
+  EXPECT_NE(
+      baked.reason(std::to_string(functions->attribute<int>("needless")) + " light functions"), "");
   options.set("transport.tolerance", 1e-9);
   options.set("transport.bounces", 30);
   const Baked all(scene, options);
