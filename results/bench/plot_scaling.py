@@ -14,9 +14,8 @@ SHOWN = [
     ("gallery", "gallery, 45,000 samples", "C0-o"),
     ("gallery-all", "gallery, all changes", "C0--^"),
     ("sponza", "sponza, 45,000 samples", "C1-o"),
-    ("city-today", "city, 10 M samples, today's rules", "C3-o"),
-    ("city-tiles", "city in tiles", "C2-o"),
-    ("city-tiles-all", "city in tiles, all changes", "C2--^"),
+    ("city", "city, 10 M samples, in regions", "C3-o"),
+    ("city-all", "city, all changes", "C3--^"),
 ]
 
 
