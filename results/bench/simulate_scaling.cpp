@@ -287,11 +287,12 @@ int main(int argc, char** argv) {
   prt::scaling::Options options;
   CLI::App app("Predicts how a bake scales over ranks");
   app.add_flag("--check", options.check, "check the simulation against known answers");
-  app.add_option(
+  CLI::Option* galleries = app.add_option(
       "--gallery", options.galleries,
       "finished bakes of one scene with ever more samples; the middle one is the paper's");
-  app.add_option("--sponza", options.sponza, "finished bake");
-  app.add_option("--house", options.house, "finished bake of a scene in several regions");
+  galleries->needs(app.add_option("--sponza", options.sponza, "finished bake"));
+  galleries->needs(
+      app.add_option("--house", options.house, "finished bake of a scene in several regions"));
   app.add_option(
       "--replay", options.replay,
       "finished bake of several ranks, one thread each: is the simulation right about it?");
