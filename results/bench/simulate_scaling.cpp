@@ -1,14 +1,13 @@
 // Predicts how a bake scales over ranks: the real coordinator (src/jobs) hands out tasks to
 // simulated ranks, with times and sizes measured in bakes of one rank and one thread.
-//   prt_bake configs/paper.yaml --threads 1 --out out/gallery48        (and so on:
-//   results/scaling.md) simulate_scaling --gallery out/gallery24 --gallery out/gallery48 --gallery
-//   out/gallery96
-//                    --sponza out/sponza --csv results/scaling.csv
+//   simulate_scaling --gallery out/gallery22500 ... --sponza out/sponza --house out/house
 //   simulate_scaling --check
+// results/scaling.md says how the bakes are made.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <fstream>
+#include <future>
 
 #include "scaling/check.h"
 #include "scaling/coordinator_speed.h"
@@ -19,11 +18,13 @@ namespace {
 
 constexpr std::size_t kCityClusters = 10'000;
 constexpr int kMostRanks = 10'000;
-constexpr std::size_t kNamedClusters = 500;
+constexpr std::size_t kWindow = 192;       // clusters: the most that plan.cpp allows
+constexpr std::size_t kSmallWindow = 141;  // what a window might be where less is seen
 
 struct Options {
   std::vector<std::string> galleries;
   std::string sponza;
+  std::string house;
   std::string replay;
   std::string csv = "results/scaling.csv";
   bool check = false;
@@ -53,15 +54,22 @@ double chain_seconds(const BakeGraph& graph) {
   return sum;
 }
 
-/// Simulates a workload on several numbers of ranks; the first is what the others are compared to.
-std::vector<Row> sweep(const Workload& workload, const std::vector<int>& counts) {
-  std::vector<Row> rows;
+/// Simulates a workload on several numbers of ranks, side by side: the clock is each thread's own.
+/// Speed-ups are against `one` seconds; 0: against the first.
+std::vector<Row> sweep(const Workload& workload, const std::vector<int>& counts, double one) {
+  std::vector<std::future<Outcome>> outcomes;
   for (const int ranks : counts) {
-    Machine machine = workload.machine;
-    machine.ranks = ranks;
-    const Outcome outcome = simulate(workload.graph, machine);
-    const double one = rows.empty() ? outcome.seconds : rows.front().outcome.seconds;
-    rows.push_back({ranks, one / outcome.seconds, outcome});
+    outcomes.push_back(std::async(std::launch::async, [&workload, ranks] {
+      Machine machine = workload.machine;
+      machine.ranks = ranks;
+      return simulate(workload.graph, machine);
+    }));
+  }
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const Outcome outcome = outcomes[i].get();
+    if (one <= 0.0) one = outcome.seconds;
+    rows.push_back({counts[i], one / outcome.seconds, outcome});
   }
   return rows;
 }
@@ -120,6 +128,7 @@ class Table {
           row.speed_up / row.ranks, std::min<double>(row.ranks, most),
           row.outcome.coordinator / row.outcome.seconds, row.outcome.disk / rank_seconds,
           row.outcome.busy / rank_seconds, row.outcome.read_bytes);
+      out_.flush();
     }
   }
 
@@ -127,11 +136,14 @@ class Table {
   std::ofstream out_;
 };
 
-void run_workload(const Workload& workload, const std::vector<int>& counts, Table& table) {
+/// Seconds on the first number of ranks.
+double run_workload(const Workload& workload, const std::vector<int>& counts, Table& table,
+                    double one = 0.0) {
   describe(workload);
-  const std::vector<Row> rows = sweep(workload, counts);
+  const std::vector<Row> rows = sweep(workload, counts, one);
   print_rows(rows);
   table.add(workload, rows);
+  return rows.front().outcome.seconds;
 }
 
 void print_coordinator_speed() {
@@ -151,76 +163,86 @@ void print_coordinator_speed() {
 
 /// What single changes to the gallery's bake would bring.
 void print_gallery_changes(const BakeFacts& facts, Table& table) {
-  std::vector<Change> changes(7);
-  changes[0].name = "gallery-even";
-  changes[0].even_clusters = true;
-  changes[1].name = "gallery-split";
-  changes[1].serial_parts = 8;
-  changes[2].name = "gallery-search";
-  changes[2].search_share = 0.05;
-  changes[3].name = "gallery-rays-kept";
-  changes[3].keeps_rays = true;
-  changes[4].name = "gallery-fast-messages";
-  changes[4].poll_share = 0.1;
-  changes[5] = {.name = "gallery-even-split-search",
-                .even_clusters = true,
-                .serial_parts = 8,
-                .search_share = 0.05};
-  changes[6] = changes[5];
-  changes[6].name = "gallery-all";
-  changes[6].keeps_rays = true;
-  changes[6].poll_share = 0.1;
+  const std::map<std::string, std::size_t> split = {{"points", 8}, {"solve", 8}, {"evaluate", 8}};
+  const std::vector<Change> changes = {{.name = "gallery-even", .even_clusters = true},
+                                       {.name = "gallery-split", .parts = split},
+                                       {.name = "gallery-search", .search_share = 0.05},
+                                       {.name = "gallery-rays-kept", .keeps_rays = true},
+                                       {.name = "gallery-fast-messages", .poll_share = 0.1},
+                                       {.name = "gallery-even-split-search",
+                                        .parts = split,
+                                        .even_clusters = true,
+                                        .search_share = 0.05},
+                                       {.name = "gallery-all",
+                                        .parts = split,
+                                        .even_clusters = true,
+                                        .search_share = 0.05,
+                                        .keeps_rays = true,
+                                        .poll_share = 0.1}};
   for (const Change& change : changes) {
     run_workload(measured_workload(change.name, facts, change), {1, 16, 64, 256}, table);
   }
 }
 
 void print_growth(const CityFacts& facts) {
-  fmt::print("\n== today's rules as the scene grows: seconds of work by kind\n");
+  fmt::print("\n== the plan as the scene grows: seconds of work by kind\n");
   for (const std::size_t clusters : {50, 200, 1000, 10'000}) {
-    const Workload workload = city_today(facts, clusters);
-    fmt::print("  {} clusters: {}\n    longest chain {}\n", clusters,
-               shares(seconds_by_kind(workload.graph)), shares(longest_chain(workload.graph)));
+    const Workload workload = city_workload(facts, plan_city(clusters, kWindow));
+    fmt::print("  {} clusters, {} tasks: {}\n    longest chain {}\n", clusters,
+               workload.graph.tasks.size(), shares(seconds_by_kind(workload.graph)),
+               shares(longest_chain(workload.graph)));
   }
 }
 
-/// From today's rules to what a city needs, one change after the other.
-std::vector<Change> city_changes() {
-  std::vector<Change> changes(1, {.name = "city-tiles-search", .search_share = 0.05});
-  const auto add = [&](const std::string& name) -> Change& {
-    changes.push_back(changes.back());
-    changes.back().name = name;
-    return changes.back();
-  };
-  add("city-tiles-search-scene").scene_share = 0.1;
-  add("city-tiles-search-scene-split").serial_parts = 8;
-  add("city-tiles-search-scene-split-rays").keeps_rays = true;
-  add("city-tiles-all").keeps_inputs = true;
-  add("city-tiles-all-slow-disk").bandwidth_share = 0.1;
-  return changes;
+/// Single changes to the city's bake, and those together that belong together.
+std::vector<Change> city_changes(std::size_t regions) {
+  Change all{.name = "city-all",
+             .parts = {{"points", regions}, {"solve", 4}, {"evaluate", regions}},
+             .search_by_region = true,
+             .places_by_region = true,
+             .scene_share = 0.1,
+             .package_share = 1.0 / static_cast<double>(regions)};
+  Change slow = all;
+  slow.name = "city-all-slow-disk";
+  slow.bandwidth_share = 0.1;
+  return {all,
+          {.name = "city-points", .parts = {{"points", regions}}},
+          {.name = "city-solve", .parts = {{"solve", 4}}},
+          {.name = "city-search", .search_by_region = true},
+          {.name = "city-places", .places_by_region = true},
+          {.name = "city-scene", .scene_share = 0.1},
+          {.name = "city-package",
+           .parts = {{"evaluate", regions}},
+           .package_share = 1.0 / static_cast<double>(regions)},
+          slow,
+          {.name = "city-forgets", .forgets = true}};
 }
 
 void run_cities(const CityFacts& facts, Table& table) {
   print_growth(facts);
-  const std::vector<int> counts = {1, 10, 100, 1000, 4000, 10'000};
-  run_workload(city_today(facts, kCityClusters), {1, 10, 100, 1000, 10'000}, table);
-  run_workload(
-      city_in_tiles(facts, kCityClusters, {.name = "city-tiles-no-places", .ignores_places = true}),
-      {1, 100, 1000}, table);
-  run_workload(city_in_tiles(facts, kCityClusters, {.name = "city-tiles"}), counts, table);
-  for (const Change& change : city_changes()) {
-    const bool is_shown = change.name == "city-tiles-all";
-    run_workload(city_in_tiles(facts, kCityClusters, change),
-                 is_shown ? counts : std::vector<int>{1, 100, 1000}, table);
+  const std::vector<int> counts = {1, 10, 100, 1000, 10'000};
+  const CityPlan plan = plan_city(kCityClusters, kWindow);
+  fmt::print("\n{} regions, their windows found in {:.3g} s\n", plan.regions.size(),
+             plan.windows_seconds);
+  const double one = run_workload(city_workload(facts, plan, {.name = "city"}), counts, table);
+  const std::vector<int> goals = {100, 1000};
+  for (const Change& change : city_changes(plan.regions.size())) {
+    run_workload(city_workload(facts, plan, change), change.name == "city-all" ? counts : goals,
+                 table, one);
   }
+  run_workload(
+      city_workload(facts, plan_city(kCityClusters, kSmallWindow), {.name = "city-small-windows"}),
+      goals, table, one);
 }
 
 void replay(const std::string& folder) {
-  const MeasuredBake bake = read_bake(folder);
-  const Workload workload = replayed_workload(bake);
+  const BakeFacts facts = read_facts(folder);
+  const MeasuredBake& bake = facts.bake;
+  const Workload workload = replayed_workload(facts);
   const Outcome outcome = simulate(workload.graph, workload.machine);
   fmt::print(
-      "replay: {} tasks, {:.1f} s of work on {} ranks: {:.1f} s simulated, {:.1f} s taken, "
+      "replay: the bake's {} tasks are those planned, {:.1f} s of work on {} ranks: {:.1f} s "
+      "simulated, {:.1f} s taken, "
       "start-up and package included\n",
       workload.graph.tasks.size(), workload.graph.work(), bake.ranks, outcome.seconds,
       bake.wall_seconds);
@@ -243,8 +265,7 @@ int run(const Options& options) {
   for (const std::string& folder : options.galleries) city.bakes.push_back(read_facts(folder));
   const BakeFacts gallery = city.bakes.at(city.bakes.size() / 2);
   const BakeFacts sponza = read_facts(options.sponza);
-  city.edge_seconds = measure_edge_seconds(gallery, kNamedClusters);
-  fmt::print("\ncoordinator: {:.3g} s per input of a task\n", city.edge_seconds);
+  city.regions = read_facts(options.house);
   for (const BakeFacts& facts : city.bakes) {
     fmt::print("neighbour search of {:.0f} samples: {:.3g} s\n", facts.set_up.samples,
                facts.set_up.search_seconds);
@@ -266,10 +287,12 @@ int main(int argc, char** argv) {
   prt::scaling::Options options;
   CLI::App app("Predicts how a bake scales over ranks");
   app.add_flag("--check", options.check, "check the simulation against known answers");
-  app.add_option(
+  CLI::Option* galleries = app.add_option(
       "--gallery", options.galleries,
       "finished bakes of one scene with ever more samples; the middle one is the paper's");
-  app.add_option("--sponza", options.sponza, "finished bake");
+  galleries->needs(app.add_option("--sponza", options.sponza, "finished bake"));
+  galleries->needs(
+      app.add_option("--house", options.house, "finished bake of a scene in several regions"));
   app.add_option(
       "--replay", options.replay,
       "finished bake of several ranks, one thread each: is the simulation right about it?");

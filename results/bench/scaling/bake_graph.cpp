@@ -2,307 +2,167 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <map>
+#include <cmath>
+#include <memory>
 #include <numeric>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "evaluate/bake_evaluation.h"
+#include "methods/common/sampling.h"
+#include "methods/lb/lb.h"
+#include "methods/lb/scene_part.h"
 
 namespace prt::scaling {
 
 namespace {
 
-using Ids = std::vector<std::string>;
-
-constexpr std::size_t kReferences = 8;
-constexpr std::size_t kLightTasks = 4;
-
-std::string numbered(const std::string& stage, std::size_t i) {
-  return fmt::format("{}/{:04}", stage, i);
+/// One triangle of that area: planning asks a scene for no more.
+Scene scene_of(double area) {
+  Scene scene;
+  scene.positions = {Vec3f(0, 0, 0), Vec3f(static_cast<float>(2.0 * area), 0, 0), Vec3f(0, 1, 0)};
+  scene.triangles = {{{0, 1, 2}, 0, 0}};
+  return scene;
 }
 
-Ids join(std::initializer_list<Ids> lists) {
-  Ids all;
-  for (const Ids& list : lists) all.insert(all.end(), list.begin(), list.end());
-  return all;
-}
+/// Answers the planner as if all that it has planned were done.
+class PretendedBake : public PlanInputs {
+ public:
+  explicit PretendedBake(const GraphSettings& settings)
+      : s_(settings), scene_(scene_of(settings.area)) {}
 
-/// Seconds by which plan.cpp, sampling.cpp, rays.cpp and bake_evaluation.cpp order the tasks: not
-/// what the tasks take.
-double planned_cost(const std::string& kind, double samples) {
-  static const std::map<std::string, double> kPerSample = {
-      {"rays", 2e-7 * 2016}, {"visibility", 2e-4}, {"light_basis", 1.5e-4}, {"near", 5e-5},
-      {"snapshot", 3e-4},    {"galerkin", 3e-4},   {"transfer", 6e-4},      {"residual", 5e-5}};
-  static const std::map<std::string, double> kFixed = {
-      {"start", 0.2}, {"candidates", 0.4}, {"cells", 0.4}, {"reference", 3e-6 * 2 * 1000 * 64}};
-  if (const auto found = kPerSample.find(kind); found != kPerSample.end()) {
-    return found->second * samples;
+  [[nodiscard]] const Scene& scene() const override { return scene_; }
+  [[nodiscard]] const OptionValues& options() const override { return s_.options; }
+  [[nodiscard]] std::shared_ptr<const Artifact> result(const std::string& id) const override {
+    if (!done_.contains(id)) return nullptr;
+    auto artifact = std::make_shared<Artifact>();
+    if (id == "points") {
+      artifact->attributes = {{"spacing", s_.spacing}};
+    } else if (id == kSamplesTask) {
+      put_clusters(*artifact);
+    } else if (id == kAlbedoTask) {
+      artifact->attributes = {{"largest", 0.5}, {"colour_spread", s_.grey ? 0.0 : 0.5}};
+    } else if (id == lb::kWindowsTask) {
+      if (s_.regions.empty()) throw std::logic_error("no regions are known of this bake");
+      *artifact = lb::put_regions(s_.regions);
+    } else if (id.starts_with("residual/")) {
+      artifact->attributes = {{"squared_residual", 0.0}, {"squared_source", 1.0}};
+    } else if (id.starts_with("visibility/")) {  // what follows tells what was left out: nothing
+      artifact->attributes = {{"escaped_share", 0.0},
+                              {"unoccluded", 0},
+                              {"samples", 0},
+                              {"rank", s_.options.get<int>("lb.visibility_rank")}};
+    } else if (id == "light_functions") {
+      artifact->attributes = {{"needless", 0}, {"needless_effect", 0.0}};
+    } else if (id.starts_with("transfer/")) {
+      artifact->put<std::uint32_t>("senders", {}, {0}, "1", "clusters that send");
+      artifact->attributes = {{"error_dropped", 0.0}};
+    } else {
+      throw std::logic_error(id + ": planning has not looked at it so far");
+    }
+    return artifact;
   }
-  const auto found = kFixed.find(kind);
-  return found == kFixed.end() ? 1.0 : found->second;
-}
 
-/// The graph, stage by stage. With one tile its ids, inputs and order of planning are those of the
-/// real planner; parameters are the cluster's number alone, as keys need no more here.
+  [[nodiscard]] bool is_done(const std::string& id) const { return done_.contains(id); }
+  void finish(const std::vector<TaskSpec>& tasks) {
+    for (const TaskSpec& task : tasks) done_.insert(task.id);
+  }
+
+ private:
+  void put_clusters(Artifact& artifact) const {
+    std::vector<std::uint32_t> begin = {0};
+    for (const double size : s_.sizes) {
+      begin.push_back(begin.back() + static_cast<std::uint32_t>(std::lround(size)));
+    }
+    artifact.put<std::uint32_t>("cluster_begin", begin, {begin.size()}, "1", "first samples");
+  }
+
+  const GraphSettings& s_;
+  Scene scene_;
+  std::set<std::string> done_;
+};
+
 class Builder {
  public:
-  Builder(const GraphSettings& settings, const Cost& cost) : s_(settings), cost_(cost) {}
+  Builder(const GraphSettings& settings, const Cost& cost)
+      : s_(settings), cost_(cost), clusters_(settings.sizes.size()) {
+    for (std::uint32_t c = 0; c < clusters_.size(); ++c) clusters_[c] = c;
+  }
 
+  /// As apps/bake/planner.h plans, call by call.
   BakeGraph build() {
-    plan_points();
-    plan_samples();
-    for (std::size_t t = 0; t < s_.tiles; ++t) plan_direct(t);
-    for (std::size_t t = 0; t < s_.tiles; ++t) plan_snapshots(t);
-    for (std::size_t t = 0; t < s_.tiles; ++t) plan_galerkin(t);
-    plan_solve();
-    for (std::size_t t = 0; t < s_.tiles; ++t) plan_transfer(t);
-    for (std::size_t t = 0; t < s_.tiles; ++t) plan_residual(t);
-    graph_.end_plan();
-    for (std::size_t t = 0; t < s_.tiles; ++t) plan_evaluation(t);
-    graph_.end_plan();
+    PretendedBake bake(s_);
+    for (bool complete = false; !complete;) {
+      Plan plan = lb_method().plan(bake);
+      complete = plan.complete;
+      if (bake.is_done("points")) {
+        Plan extra = plan_evaluation(s_.options, kSamplesTask, complete ? &plan.results : nullptr);
+        std::ranges::move(extra.tasks, std::back_inserter(plan.tasks));
+      }
+      for (const TaskSpec& task : plan.tasks) {
+        if (!bake.is_done(task.id)) add(task);
+      }
+      if (!graph_.plans.empty() && graph_.plans.back() == graph_.tasks.size() && !complete) {
+        throw std::logic_error("the planner waits for nothing");
+      }
+      graph_.end_plan();
+      bake.finish(plan.tasks);
+    }
     return std::move(graph_);
   }
 
  private:
-  // ---- tiles ------------------------------------------------------------------------------------
-
-  [[nodiscard]] std::size_t first(std::size_t tile) const {
-    return tile * s_.sizes.size() / s_.tiles;
+  [[nodiscard]] double samples_of(const std::vector<std::uint32_t>& clusters) const {
+    return std::accumulate(clusters.begin(), clusters.end(), 0.0,
+                           [&](double sum, std::uint32_t c) { return sum + s_.sizes[c]; });
   }
-  [[nodiscard]] std::size_t clusters(std::size_t tile) const {
-    return first(tile + 1) - first(tile);
-  }
-  [[nodiscard]] double samples(std::size_t tile) const {
-    return std::accumulate(s_.sizes.begin() + static_cast<std::ptrdiff_t>(first(tile)),
-                           s_.sizes.begin() + static_cast<std::ptrdiff_t>(first(tile + 1)), 0.0);
-  }
-  /// Tiles that a tile exchanges light with: its neighbours along a row, and itself.
-  [[nodiscard]] std::vector<std::size_t> near_tiles(std::size_t tile) const {
-    std::vector<std::size_t> near;
-    for (std::size_t t = tile == 0 ? 0 : tile - 1; t < std::min(s_.tiles, tile + 2); ++t) {
-      near.push_back(t);
-    }
-    return near;
-  }
-  [[nodiscard]] double reach(std::size_t tile) const {
-    double count = 0.0;
-    for (const std::size_t t : near_tiles(tile)) count += static_cast<double>(clusters(t));
-    return count;
-  }
-  /// Name of what there is once per tile: "samples", and with several tiles "samples-0007".
-  [[nodiscard]] std::string of_tile(const std::string& stage, std::size_t tile) const {
-    return s_.tiles == 1 ? stage : fmt::format("{}-{:04}", stage, tile);
-  }
-  [[nodiscard]] Ids of_near_tiles(const std::string& stage, std::size_t tile) const {
-    Ids ids;
-    for (const std::size_t t : near_tiles(tile)) ids.push_back(of_tile(stage, t));
-    return ids;
-  }
-  [[nodiscard]] Ids of_clusters(const std::string& stage, std::size_t tile) const {
-    Ids ids;
-    for (std::size_t c = first(tile); c < first(tile + 1); ++c) ids.push_back(numbered(stage, c));
-    return ids;
+  [[nodiscard]] TaskSize size_of(const TaskSpec& task) const {
+    const auto& p = task.parameters;
+    const Region* region =
+        p.contains("region") ? &s_.regions.at(p["region"].get<std::size_t>()) : nullptr;
+    const auto& window = region != nullptr ? region->window : clusters_;
+    const auto reach = static_cast<double>(window.size());
+    if (const auto cluster = cluster_of(task)) return {s_.sizes.at(*cluster), reach};
+    const bool is_of_region = task.kind == "light_functions" || task.kind == "lights";
+    return {samples_of(region != nullptr && is_of_region ? region->clusters : window), reach};
   }
 
-  // ---- tasks ------------------------------------------------------------------------------------
-
-  void add(const std::string& kind, const std::string& id, Ids inputs, const Load& load,
-           double samples = 1.0, std::string place = {}) {
-    TaskSpec spec;
-    spec.place = std::move(place);
-    spec.id = id;
-    spec.kind = kind;
-    spec.inputs = std::move(inputs);
-    spec.parameters["cluster"] = graph_.tasks.size();
-    spec.scene_parts = kGeometry;
-    spec.cost = planned_cost(kind, samples);
-    graph_.add(std::move(spec), load);
-  }
-  /// One task per cluster of a tile; `inputs(c)` lists its inputs.
-  template <typename Inputs>
-  void per_cluster(const std::string& kind, std::size_t tile, Inputs&& inputs) {
-    for (std::size_t c = first(tile); c < first(tile + 1); ++c) {
-      add(kind, numbered(kind, c), inputs(c), cost_(kind, s_.sizes[c], reach(tile)), s_.sizes[c],
-          numbered(s_.tiles == 1 ? "cluster" : "tile", s_.tiles == 1 ? c : tile));
-    }
-  }
-  void whole_tile(const std::string& kind, std::size_t tile, Ids inputs) {
-    Load load = cost_(kind, samples(tile), reach(tile));
-    load.use_group = tile;
-    add(kind, of_tile(kind, tile), std::move(inputs), load);
-  }
-  /// Names for what all clusters of the near tiles made: the list itself, one gate, or a bundle per
-  /// tile, which is a task like any other.
-  Ids all_of(const std::string& kind, std::size_t tile) {
-    if (!s_.gates && s_.tiles == 1) return of_clusters(kind, tile);
-    return of_near_tiles(kind + "_all", tile);
-  }
-  void collect(const std::string& kind, std::size_t tile) {
-    if (!s_.gates && s_.tiles == 1) return;
-    const Ids parts = of_clusters(kind, tile);
-    Load load = s_.tiles > 1 ? cost_("snapshot_functions", samples(tile), reach(tile)) : Load{};
-    load.bytes = 0.0;
-    for (const std::string& id : parts) load.bytes += graph_.loads[graph_.index.at(id)].bytes;
-    if (s_.tiles == 1) {
-      load.is_written = false;
-      load.files = static_cast<double>(parts.size());
-    }
-    add(kind + "_all", of_tile(kind + "_all", tile), parts, load);
-  }
-  /// Charges the inputs that a gate hides to the task that was just added.
-  void stand_for(std::size_t tile) {
-    if (!s_.gates || s_.tiles > 1) return;
-    for (std::size_t i = graph_.loads.size() - clusters(tile); i < graph_.loads.size(); ++i) {
-      graph_.loads[i].stands_for = static_cast<double>(clusters(tile));
-    }
-  }
-
-  // ---- stages (sampling.cpp) --------------------------------------------------------------------
-
-  void plan_points() {
-    add("start", "start", {}, cost_("start", 1.0, 1.0));
-    for (std::size_t t = 0; t < s_.tiles; ++t) {
-      Ids candidates;
-      for (double i = 0; i < s_.candidate_tasks; ++i) {
-        candidates.push_back(numbered(of_tile("candidates", t), candidates.size()));
-        add("candidates", candidates.back(), {"start"}, cost_("candidates", 1.0, 1.0));
-      }
-      whole_tile("points", t, candidates);
-    }
-    graph_.end_plan();
-  }
-
-  void plan_samples() {
-    for (std::size_t t = 0; t < s_.tiles; ++t) {
-      Ids inputs = {of_tile("points", t)};
-      for (double i = 0; i < s_.cell_tasks; ++i) {
-        const std::string id = numbered(of_tile("cells", t), inputs.size() - 1);
-        add("cells", id, of_near_tiles("points", t), cost_("cells", 1.0, 1.0));
-        inputs.push_back(id);
-      }
-      whole_tile("samples", t, inputs);
-      whole_tile("albedo", t, inputs);
-    }
-    for (std::size_t k = 0; k < kReferences; ++k) {
-      add("reference", numbered("reference", k), {of_tile("samples", k % s_.tiles)},
-          cost_("reference", 1.0, 1.0));
-    }
-    graph_.end_plan();
-  }
-
-  // ---- stages (rays.cpp, plan.cpp) --------------------------------------------------------------
-
-  [[nodiscard]] Ids surface(std::size_t tile) const {
-    return join({of_near_tiles("samples", tile), of_near_tiles("albedo", tile)});
-  }
-
-  void plan_direct(std::size_t t) {
-    const Ids samples = of_near_tiles("samples", t);
-    per_cluster("rays", t, [&](std::size_t) { return samples; });
-    per_cluster("visibility", t, [](std::size_t c) { return Ids{numbered("rays", c)}; });
-    Ids lights;
-    for (std::size_t i = 0; i < kLightTasks; ++i) {
-      lights.push_back(numbered(of_tile("lights", t), i));
-      add("lights", lights.back(), {of_tile("samples", t)}, cost_("lights", 1.0, 1.0));
-    }
-    per_cluster("light_basis", t, [&](std::size_t c) {
-      return join({surface(t), {numbered("rays", c)}, lights});
-    });
-    whole_tile("light_functions", t,
-               join({{of_tile("samples", t)}, of_clusters("light_basis", t)}));
-    per_cluster("near", t, [&](std::size_t c) { return join({samples, {numbered("rays", c)}}); });
-    collect("near", t);
-  }
-
-  [[nodiscard]] Ids gather_inputs(std::size_t t, std::size_t c, const std::string& functions) {
-    return join({surface(t), {numbered("rays", c)}, of_near_tiles(functions, t)});
-  }
-
-  void plan_snapshots(std::size_t t) {
-    per_cluster("snapshot", t,
-                [&](std::size_t c) { return gather_inputs(t, c, "light_functions"); });
-    whole_tile("snapshot_functions", t,
-               join({{of_tile("samples", t)}, of_clusters("snapshot", t)}));
-  }
-
-  void plan_galerkin(std::size_t t) {
-    per_cluster("galerkin", t,
-                [&](std::size_t c) { return gather_inputs(t, c, "snapshot_functions"); });
-  }
-
-  [[nodiscard]] std::size_t solve_tasks() const { return s_.channels * s_.solve_parts; }
-  [[nodiscard]] std::string solve_name(std::size_t sweep, std::size_t task) const {
-    return numbered(s_.sweeps == 1 ? "solve" : fmt::format("solve-{}", sweep), task);
-  }
-
-  /// Today one task per channel solves for the whole scene. Tile by tile, every sweep reads what
-  /// the last one made of the near tiles; a tile's rows may be shared out to several tasks.
-  void plan_solve() {
-    for (std::size_t sweep = 0; sweep < s_.sweeps; ++sweep) {
-      for (std::size_t t = 0; t < s_.tiles; ++t) {
-        for (std::size_t task = 0; task < solve_tasks(); ++task) {
-          Load load = cost_("solve", samples(t), static_cast<double>(clusters(t)));
-          load.seconds /= static_cast<double>(s_.solve_parts);
-          load.bytes /= static_cast<double>(s_.solve_parts);
-          const Ids before = sweep > 0 ? solved(sweep - 1, t, task % s_.channels) : Ids{};
-          add("solve", of_tile(solve_name(sweep, task), t),
-              join({solve_rows(t, task / s_.channels), before}), load);
-        }
+  void add(const TaskSpec& task) {
+    Load load = cost_(task, size_of(task));
+    TaskSpec spec = task;
+    spec.inputs.clear();
+    for (const std::string& id : task.inputs) {
+      const auto several = in_parts_.find(id);
+      if (several == in_parts_.end()) {
+        spec.inputs.push_back(id);
+      } else {
+        spec.inputs.insert(spec.inputs.end(), several->second.begin(), several->second.end());
       }
     }
-  }
-  /// What a sweep made of one channel on the near tiles.
-  [[nodiscard]] Ids solved(std::size_t sweep, std::size_t t, std::size_t channel) const {
-    Ids ids;
-    for (std::size_t part = 0; part < s_.solve_parts; ++part) {
-      const std::size_t task = part * s_.channels + channel;
-      ids = join({ids, of_near_tiles(solve_name(sweep, task), t)});
+    const auto wanted = s_.parts.find(task.kind);
+    if (wanted == s_.parts.end()) return graph_.add(std::move(spec), load);
+    const std::size_t parts = wanted->second;
+    for (double* share : {&load.seconds, &load.bytes, &load.use_seconds, &spec.cost}) {
+      *share /= static_cast<double>(parts);
     }
-    return ids;
-  }
-  /// What part `part` of a tile's solve reads: the snapshots and rows of its share of the clusters.
-  [[nodiscard]] Ids solve_rows(std::size_t t, std::size_t part) const {
-    Ids rows;
-    for (const std::string kind : {"snapshot", "galerkin"}) {
-      const Ids all = of_clusters(kind, t);
-      const auto at = [&](std::size_t p) {
-        return all.begin() + static_cast<std::ptrdiff_t>(p * all.size() / s_.solve_parts);
+    const std::vector<std::string> inputs = std::move(spec.inputs);
+    for (std::size_t i = 0; i < parts; ++i) {
+      spec.id = fmt::format("{}#{}", task.id, i);
+      spec.parameters["part"] = i;
+      const auto at = [&](std::size_t k) {
+        return inputs.begin() + static_cast<std::ptrdiff_t>(k * inputs.size() / parts);
       };
-      rows.insert(rows.end(), at(part), at(part + 1));
+      spec.inputs.assign(at(i), at(i + 1));
+      in_parts_[task.id].push_back(spec.id);
+      graph_.add(spec, load);
     }
-    return rows;
-  }
-
-  void plan_transfer(std::size_t t) {
-    Ids bounces = of_near_tiles("snapshot_functions", t);
-    for (std::size_t channel = 0; channel < s_.channels; ++channel) {
-      bounces = join({bounces, solved(s_.sweeps - 1, t, channel)});
-    }
-    const Ids near = all_of("near", t);
-    per_cluster("transfer", t, [&](std::size_t c) {
-      return join({gather_inputs(t, c, "light_functions"), near, bounces});
-    });
-    stand_for(t);
-    collect("transfer", t);
-  }
-
-  void plan_residual(std::size_t t) {
-    const Ids transfer = all_of("transfer", t);
-    per_cluster("residual", t, [&](std::size_t c) {
-      return join({surface(t), {numbered("rays", c)}, transfer});
-    });
-    stand_for(t);
-  }
-
-  void plan_evaluation(std::size_t t) {
-    Ids inputs;
-    for (std::size_t k = 0; k < kReferences; ++k) inputs.push_back(numbered("reference", k));
-    for (const std::string kind : {"visibility", "near", "transfer"}) {
-      inputs = join({inputs, of_clusters(kind, t)});
-    }
-    whole_tile("evaluate", t, join({inputs, surface(t), of_near_tiles("light_functions", t)}));
   }
 
   const GraphSettings& s_;
   const Cost& cost_;
+  std::vector<std::uint32_t> clusters_;
+  std::map<std::string, std::vector<std::string>> in_parts_;
   BakeGraph graph_;
 };
 
@@ -347,8 +207,25 @@ std::map<std::string, double> longest_chain(const BakeGraph& graph) {
   return chain;
 }
 
+std::optional<std::size_t> cluster_of(const TaskSpec& task) {
+  if (task.parameters.contains("cluster")) return task.parameters["cluster"].get<std::size_t>();
+  // What reads nothing but a cluster's rays need not know its number.
+  const std::string rays = "rays/";
+  if (task.inputs.empty() || !task.inputs.front().starts_with(rays)) return std::nullopt;
+  return std::stoul(task.inputs.front().substr(rays.size()));
+}
+
 BakeGraph make_lb_graph(const GraphSettings& settings, const Cost& cost) {
   return Builder(settings, cost).build();
+}
+
+std::vector<std::size_t> regions_of_clusters(const std::vector<Region>& regions,
+                                             std::size_t clusters) {
+  std::vector<std::size_t> region_of(clusters, 0);
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (const std::uint32_t c : regions[r].clusters) region_of[c] = r;
+  }
+  return region_of;
 }
 
 }  // namespace prt::scaling

@@ -1,15 +1,18 @@
-// The task graph of method lb, from numbers: what plan.cpp, sampling.cpp and rays.cpp would plan.
+// The task graph of a bake that never runs: what method lb's planner and the evaluation plan for a
+// scene of which no more is known than its clusters and regions.
 #pragma once
 
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "domains/windows.h"
 #include "jobs/task.h"
-#include "scaling/measured_bake.h"
+#include "methods/options.h"
 
 namespace prt::scaling {
 
@@ -17,12 +20,12 @@ namespace prt::scaling {
 struct Load {
   double seconds = 0.0;  ///< of computing
   double bytes = 0.0;    ///< of its artifact
-  /// Of computing on each rank whose tasks cast rays and read its artifact: the neighbour search.
+  /// Of computing on each rank whose tasks cast rays and read its artifact: the neighbour search
+  /// ...
   double use_seconds = 0.0;
-  std::size_t use_group = 0;  ///< artifacts of one group share that work
-  double files = 1.0;         ///< that its artifact stands for, see GraphSettings::gates
-  double stands_for = 0.0;    ///< inputs that its spec leaves out
-  bool is_written = true;
+  /// ... of which this task, when it casts rays, wants a part of that number and share.
+  std::size_t search_part = 0;
+  double search_share = 1.0;
   bool is_kept = false;  ///< whoever reads it has it already
 };
 
@@ -44,26 +47,32 @@ struct BakeGraph {
 /// Seconds along the longest chain, by kind; every plan waits for all tasks of the one before.
 std::map<std::string, double> longest_chain(const BakeGraph& graph);
 
-/// Seconds and bytes of a task of `kind` on `samples` samples whose result refers to `reach`
-/// clusters.
-using Cost = std::function<Load(const std::string& kind, double samples, double reach)>;
+/// What a task is about.
+struct TaskSize {
+  double samples = 0.0;  ///< of its cluster, region or window, or of the scene
+  double reach = 0.0;    ///< clusters that its result may refer to: of its window, or of the scene
+};
+/// The cluster that a task is about, if it is about one.
+std::optional<std::size_t> cluster_of(const TaskSpec& task);
+using Cost = std::function<Load(const TaskSpec& task, const TaskSize& size)>;
 
+/// The scene and its bake as the planner comes to know them.
 struct GraphSettings {
+  OptionValues options;
   std::vector<double> sizes;  ///< samples of each cluster
-  /// The graph of today: 1. More: what concerns the whole scene today is done tile by tile, and a
-  /// cluster exchanges light with its own tile and the two beside it alone.
-  std::size_t tiles = 1;
-  /// Input lists that name every cluster's artifact are replaced by a task of no cost, a gate. The
-  /// coordinator's work for them is charged apart (Load::stands_for).
-  bool gates = false;
-  /// Sweeps of the reduced system over all tiles, and tasks per tile and sweep.
-  std::size_t sweeps = 1;
-  std::size_t solve_parts = 1;  ///< per channel
-  std::size_t channels = 3;
-  double candidate_tasks = 11.0;
-  double cell_tasks = 10.0;
+  double area = 1.0;          ///< of all triangles, m²
+  double spacing = 0.1;       ///< of the samples, m
+  bool grey = false;
+  std::vector<Region> regions;  ///< needed if the options want regions
+  /// What-if: so many tasks in the place of each of a kind, which share out inputs and work.
+  std::map<std::string, std::size_t> parts;
 };
 
+/// One round of snapshots. Throws std::logic_error where the planner asks for what is not known.
 BakeGraph make_lb_graph(const GraphSettings& settings, const Cost& cost);
+
+/// The region that each of `clusters` clusters is in; all in region 0 where there are none.
+std::vector<std::size_t> regions_of_clusters(const std::vector<Region>& regions,
+                                             std::size_t clusters);
 
 }  // namespace prt::scaling

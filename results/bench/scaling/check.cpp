@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "methods/lb/lb.h"
 #include "scaling/shared_disk.h"
 #include "scaling/simulation.h"
 
@@ -101,16 +102,35 @@ void check_disk(Checker& checker) {
   checker.expect_near(simulate(writers, machine).seconds, 3.0, "four ranks write at once");
 }
 
+OptionValues default_options() {
+  OptionValues options;
+  for (const auto& table : {shared_options(), lb_method().options()}) {
+    for (const OptionSpec& spec : table) options.set(spec.key, spec.fallback);
+  }
+  return options;
+}
+
+/// Eight clusters in one region, or two to a region in the window of their neighbours.
+GraphSettings small_bake(bool in_regions) {
+  GraphSettings settings;
+  settings.options = default_options();
+  settings.sizes = {500, 1500, 800, 1200, 1000, 900, 1100, 1000};
+  if (!in_regions) return settings;
+  settings.options.set("lb.region_clusters", 2);
+  settings.regions = {{{0, 1}, {0, 1, 2, 3}, 0.0},
+                      {{2, 3}, {0, 1, 2, 3, 4, 5}, 0.0},
+                      {{4, 5}, {2, 3, 4, 5, 6, 7}, 0.0},
+                      {{6, 7}, {4, 5, 6, 7}, 0.0}};
+  return settings;
+}
+
 /// A bake's graph lies between the bounds that hold for every list schedule (Graham 1966).
 void check_bounds(Checker& checker) {
-  GraphSettings settings;
-  settings.sizes = {500, 1500, 800, 1200, 1000, 900, 1100, 1000};
-  const Cost cost = [](const std::string&, double samples, double) {
-    return Load{.seconds = 1e-3 * samples};
+  const Cost cost = [](const TaskSpec&, const TaskSize& size) {
+    return Load{.seconds = 1e-3 * size.samples};
   };
-  for (const std::size_t tiles : {1, 4}) {
-    settings.tiles = tiles;
-    const BakeGraph graph = make_lb_graph(settings, cost);
+  for (const bool in_regions : {false, true}) {
+    const BakeGraph graph = make_lb_graph(small_bake(in_regions), cost);
     double chain = 0.0;
     for (const auto& [kind, seconds] : longest_chain(graph)) chain += seconds;
     for (const int ranks : {1, 3, 16, 1000}) {
@@ -126,6 +146,52 @@ void check_bounds(Checker& checker) {
   }
 }
 
+/// What a task of a region is about, and what it reads: its window alone.
+void check_regions(Checker& checker) {
+  std::map<std::string, TaskSize> sizes;
+  const Cost cost = [&](const TaskSpec& task, const TaskSize& size) {
+    sizes[task.id] = size;
+    return Load{};
+  };
+  GraphSettings settings = small_bake(true);
+  const BakeGraph graph = make_lb_graph(settings, cost);
+  const auto inputs = [&](const std::string& id) {
+    return static_cast<double>(graph.inputs[graph.index.at(id)].size());
+  };
+  checker.expect_near(sizes.at("solve/0000").reach, 4, "clusters of the first window");
+  checker.expect_near(sizes.at("snapshot_functions/0001").samples, 5900, "samples of a window");
+  checker.expect_near(sizes.at("region_functions/0001").samples, 2000, "samples of a region");
+  checker.expect_near(sizes.at("transfer/0001").samples, 1500, "samples of a cluster");
+  checker.expect_near(sizes.at("visibility/0001").samples, 1500, "samples of a cluster's rays");
+  checker.expect_near(inputs("solve/0000"), 4 + 4 + 1, "inputs of a solve: the window, twice");
+  checker.expect(!graph.index.contains("solve/0012"), "a solve per region and channel");
+
+  settings.parts["solve"] = 3;
+  const BakeGraph split = make_lb_graph(settings, cost);
+  checker.expect_near(static_cast<double>(split.tasks.size() - graph.tasks.size()), 12 * 2,
+                      "tasks more when each of 12 is split into three");
+  const auto& readers = split.inputs[split.index.at("transfer/0000")];
+  checker.expect_near(static_cast<double>(readers.size()), inputs("transfer/0000") + 3 * 2,
+                      "inputs of who reads what is split");
+}
+
+/// A rank makes the neighbour search once, or the part of it that its tasks want.
+void check_search(Checker& checker) {
+  const auto seconds = [](std::size_t parts, double share) {
+    BakeGraph graph;
+    add(graph, "samples", {}, {.use_seconds = 8.0});
+    for (std::size_t i = 0; i < 4; ++i) {
+      add(graph, std::to_string(i), {"samples"},
+          {.seconds = 1.0, .search_part = i % parts, .search_share = share});
+      graph.tasks.back().kind = "rays";
+    }
+    graph.end_plan();
+    return simulate(graph, ideal_machine(1)).seconds;
+  };
+  checker.expect_near(seconds(1, 1.0), 4.0 + 8.0, "one search");
+  checker.expect_near(seconds(2, 0.25), 4.0 + 2 * 2.0, "two searches of a quarter each");
+}
+
 }  // namespace
 
 int check_simulation() {
@@ -135,6 +201,8 @@ int check_simulation() {
   check_plans(checker);
   check_disk(checker);
   check_bounds(checker);
+  check_regions(checker);
+  check_search(checker);
   return checker.wrong();
 }
 

@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "domains/windows.h"
+#include "methods/options.h"
+
 namespace prt::scaling {
 
 /// CPU seconds and bytes of the tasks of one kind. Medians: the machine that baked was shared, and
@@ -20,29 +23,34 @@ struct KindFigures {
 };
 
 struct MeasuredBake {
+  OptionValues options;
   std::vector<double> sizes;  ///< samples of each cluster
   double samples = 0.0;
+  double spacing = 0.0;         ///< of the samples, m
+  std::vector<Region> regions;  ///< empty: the scene was solved for as a whole
   double package_bytes = 0.0;
-  double outside_tasks = 0.0;  ///< wall seconds of start-up, planning and writing the results
-  double wall_seconds = 0.0;   ///< of the bake
+  /// Seconds of start-up, planning and writing the results: wall time, times the share of a core
+  /// that the tasks had meanwhile.
+  double outside_tasks = 0.0;
+  double wall_seconds = 0.0;  ///< of the bake
   int ranks = 1;
   std::map<std::string, double> task_seconds;  ///< wall seconds by task id
   std::map<std::string, KindFigures> kinds;
 };
 
-/// Reads report.json and manifest.log. Throws std::runtime_error naming the file.
+/// Reads report.json, manifest.log and what the planner reads. Throws std::exception naming the
+/// file.
 MeasuredBake read_bake(const std::filesystem::path& folder);
 
-/// value = fixed + growing · reach^power, for one sample of a cluster; `reach`: clusters that the
-/// task's result refers to (today: all).
+/// value = fixed + growing · reach, for one sample of a cluster; `reach`: clusters that the task's
+/// result may refer to.
 struct Law {
   double fixed = 0.0;
   double growing = 0.0;
-  int power = 1;
-  [[nodiscard]] double at(double reach) const;
+  [[nodiscard]] double at(double reach) const { return fixed + growing * reach; }
 };
 
-/// The power comes from the code, the factors from least squares (neither below zero).
-Law fit_law(const std::vector<std::pair<double, double>>& reach_and_value, int power);
+/// Least squares, neither below zero.
+Law fit_law(const std::vector<std::pair<double, double>>& reach_and_value);
 
 }  // namespace prt::scaling

@@ -7,6 +7,7 @@ namespace prt::scaling {
 
 struct RankSetUp {
   double triangles = 0.0;
+  double area = 0.0;  ///< of all triangles, m²
   double samples = 0.0;
   double caster_seconds = 0.0;  ///< building the ray caster, CPU
   double search_seconds = 0.0;  ///< building the neighbour search of all samples, CPU

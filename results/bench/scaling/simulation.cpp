@@ -232,8 +232,6 @@ class Simulation {
   }
 
   double send(const Assign& assign, double at) {
-    const Load& load = graph_.loads[graph_.index.at(assign.assignment.task.id)];
-    at = spend(at, load.stands_for * m_.edge_seconds);
     ranks_[static_cast<std::size_t>(assign.worker)].assignment = assign.assignment;
     if (assign.worker == kCoordinatorRank) {
       schedule(at, What::kOrder, assign.worker);
@@ -275,27 +273,35 @@ class Simulation {
     const std::size_t task = graph_.index.at(rank.assignment.task.id);
     double bytes = 0.0;
     double files = 0.0;
-    double using_them = 0.0;
-    const bool is_gate = !graph_.loads[task].is_written;
+    Load search;  // that its inputs ask for
     for (const std::size_t input : graph_.inputs[task]) {
       const Load& made = graph_.loads[input];
-      if (is_gate) break;
       if (made.is_kept) continue;
-      if (made.use_seconds > 0.0 && needs_search(graph_.tasks[task].kind)) {
-        // Kept as long as an artifact of its size would be.
-        const std::size_t search = graph_.tasks.size() + made.use_group;
-        if (!rank.cache.use(search, made.bytes, m_.cache_bytes)) using_them += made.use_seconds;
+      if (made.use_seconds > 0.0) {
+        search.use_seconds += made.use_seconds;
+        search.bytes += made.bytes;
       }
       if (rank.cache.use(input, made.bytes, m_.cache_bytes)) continue;
       bytes += made.bytes;
-      files += made.files;
+      files += 1.0;
     }
+    const double using_them = search_seconds(rank, task, search);
     outcome_.read_bytes += bytes;
     overhead_[worker] = files * m_.open_seconds + bytes * m_.decode_per_byte + using_them;
     if (!rank.is_set_up) overhead_[worker] += m_.first_task_seconds;
     rank.is_set_up = true;
     rank.is_writing = false;
     transfer(worker, bytes, now);
+  }
+
+  /// What the neighbour search takes unless the rank has it: it is kept as long as an artifact of
+  /// its size would be.
+  double search_seconds(Rank& rank, std::size_t task, const Load& search) {
+    if (search.use_seconds <= 0.0 || !needs_search(graph_.tasks[task].kind)) return 0.0;
+    const Load& load = graph_.loads[task];
+    const std::size_t name = graph_.tasks.size() + load.search_part;
+    const bool is_there = rank.cache.use(name, load.search_share * search.bytes, m_.cache_bytes);
+    return is_there ? 0.0 : load.search_share * search.use_seconds;
   }
 
   void transfer(WorkerId worker, double bytes, double now) {
@@ -312,8 +318,7 @@ class Simulation {
     outcome_.disk += now - rank.transfer_began;
     if (rank.is_writing) return report(worker, now);
     const Load& load = graph_.loads[graph_.index.at(rank.assignment.task.id)];
-    const double seconds =
-        load.seconds + overhead_[worker] + (load.is_written ? m_.commit_seconds : 0.0);
+    const double seconds = load.seconds + overhead_[worker] + m_.commit_seconds;
     outcome_.busy += seconds;
     schedule(now + seconds, What::kComputed, worker);
   }
@@ -322,7 +327,7 @@ class Simulation {
     Rank& rank = ranks_[static_cast<std::size_t>(worker)];
     const Load& load = graph_.loads[graph_.index.at(rank.assignment.task.id)];
     rank.is_writing = true;
-    transfer(worker, load.is_written ? load.bytes : 0.0, now);
+    transfer(worker, load.bytes, now);
   }
 
   void report(WorkerId worker, double now) {

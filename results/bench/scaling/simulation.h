@@ -24,7 +24,6 @@ struct Machine {
   double decode_per_byte = 3e-9;    ///< CPU seconds per byte read, as prt_inspect --verify takes
   double assembly_per_byte = 0.0;   ///< seconds per byte of the package
   double heartbeat = 5.0;           ///< every rank says that it is there, s
-  double edge_seconds = 0.0;        ///< coordinator's work per input that a gate hides
   /// The coordinator's own work is measured while it runs, and takes that time in the simulation.
   bool charge_coordinator = true;
 };

@@ -1,28 +1,24 @@
 #include "scaling/workloads.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <set>
 #include <stdexcept>
+
+#include "methods/common/inputs.h"
 
 namespace prt::scaling {
 
 namespace {
 
 constexpr double kCitySamplesPerCluster = 1000.0;
-constexpr double kCandidatesPerTask = 100000.0 / 24.0;  // samples: sampling.cpp, 24 candidates each
-constexpr double kSamplesPerCellTask = 200000.0 / 32.0;
-constexpr double kMostCellTasks = 300.0;  // kMostPoints / kPointsPerTask
 // Triangles of the city per sample: a street scene's, as sponza has.
 constexpr double kCityTrianglesPerSample = 2.0;
 
-/// Work and bytes of a kind grow with the clusters that a result refers to, to this power: from the
-/// code (gather_functions, transfer's product with the reduced solution, files of reduced rows).
-int seconds_power(const std::string& kind) { return kind == "transfer" ? 2 : 1; }
-
-bool is_whole_scene(const std::string& kind) {
+bool grows_with_samples(const std::string& kind) {
   static const std::set<std::string> kKinds = {
       "points", "samples", "albedo", "light_functions", "snapshot_functions", "evaluate"};
   return kKinds.contains(kind);
@@ -30,7 +26,7 @@ bool is_whole_scene(const std::string& kind) {
 
 bool makes_search(const std::string& kind) { return kind == "points" || kind == "samples"; }
 
-/// What a measured bake's tasks took, with all clusters within reach.
+/// What a measured bake's tasks took.
 Load measured_load(const BakeFacts& facts, const std::string& kind, double samples) {
   const KindFigures& figures = facts.bake.kinds.at(kind);
   Load load{.seconds = figures.seconds, .bytes = figures.bytes};
@@ -42,30 +38,58 @@ Load measured_load(const BakeFacts& facts, const std::string& kind, double sampl
   return load;
 }
 
-Load changed(Load load, const std::string& kind, const Change& change) {
-  if (kind == "points" || kind == "solve" || kind == "evaluate") {
-    load.seconds /= change.serial_parts;
-  }
-  load.use_seconds *= change.search_share;
-  return load;
+GraphSettings measured_settings(const MeasuredBake& bake, double area) {
+  GraphSettings settings;
+  settings.options = bake.options;
+  settings.sizes = bake.sizes;
+  settings.area = area;
+  settings.spacing = bake.spacing;
+  settings.regions = bake.regions;
+  const std::size_t systems = std::max<std::size_t>(1, bake.regions.size());
+  settings.grey = bake.kinds.at("solve").tasks == systems;
+  return settings;
 }
 
-/// Reading what is kept costs nothing; it is still written.
-void keep(BakeGraph& graph, const Change& change) {
-  for (std::size_t i = 0; i < graph.tasks.size(); ++i) {
-    graph.loads[i].is_kept =
-        change.keeps_inputs || (change.keeps_rays && graph.tasks[i].kind == "rays");
+/// Clusters side by side on a square grid.
+struct Grid {
+  std::size_t clusters;
+  [[nodiscard]] std::size_t side() const {
+    return static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(clusters))));
   }
-}
+  [[nodiscard]] long x(std::size_t c) const { return static_cast<long>(c % side()); }
+  [[nodiscard]] long y(std::size_t c) const { return static_cast<long>(c / side()); }
+};
 
-Machine machine_of(const BakeFacts& facts, const Change& change) {
-  Machine machine;
-  machine.scene_seconds = 0.5e-6 * facts.set_up.triangles + 0.05;
-  machine.first_task_seconds = facts.set_up.caster_seconds;
-  machine.assembly_per_byte = facts.bake.outside_tasks / facts.bake.package_bytes;
-  machine.total_bandwidth *= change.bandwidth_share;
-  machine.poll *= change.poll_share;
-  return machine;
+/// A cluster sees those within so many others of it, by the inverse square of their distance; a
+/// fifth of its hemispheres is sky.
+ClusterExchange city_exchange(const Grid& grid) {
+  constexpr long kSeen = 9;
+  constexpr double kGround = 0.8;
+  ClusterExchange exchange;
+  exchange.begin = {0};
+  for (std::size_t r = 0; r < grid.clusters; ++r) {
+    std::vector<std::pair<std::uint32_t, double>> seen;
+    double sum = 0.0;
+    for (long dy = -kSeen; dy <= kSeen; ++dy) {
+      for (long dx = -kSeen; dx <= kSeen; ++dx) {
+        const long x = grid.x(r) + dx;
+        const long y = grid.y(r) + dy;
+        const long c = y * static_cast<long>(grid.side()) + x;
+        const bool inside = x >= 0 && y >= 0 && x < static_cast<long>(grid.side()) &&
+                            c < static_cast<long>(grid.clusters);
+        const long squared = dx * dx + dy * dy;
+        if (!inside || squared > kSeen * kSeen) continue;
+        seen.emplace_back(c, 1.0 / static_cast<double>(1 + squared));
+        sum += seen.back().second;
+      }
+    }
+    for (const auto& [cluster, share] : seen) {
+      exchange.senders.push_back(cluster);
+      exchange.shares.push_back(static_cast<float>(kGround * share / sum));
+    }
+    exchange.begin.push_back(static_cast<std::uint32_t>(exchange.senders.size()));
+  }
+  return exchange;
 }
 
 /// Laws by kind, fitted once.
@@ -73,30 +97,38 @@ class GrowthLaws {
  public:
   explicit GrowthLaws(const CityFacts& facts)
       : facts_(facts), middle_(facts.bakes.at(facts.bakes.size() / 2)) {
-    for (const auto& [kind, figures] : middle_.bake.kinds) {
-      if (figures.seconds_per_sample <= 0.0) continue;
-      seconds_[kind] = fit(kind, &KindFigures::seconds_per_sample, seconds_power(kind));
-      bytes_[kind] = fit(kind, &KindFigures::bytes_per_sample, 1);
+    // Their rows are as long as all functions within reach.
+    for (const std::string kind : {"snapshot", "galerkin", "transfer", "residual"}) {
+      seconds_[kind] = fit(kind, &KindFigures::seconds_per_sample);
+      bytes_[kind] = fit(kind, &KindFigures::bytes_per_sample);
     }
   }
 
-  [[nodiscard]] Load at(const std::string& kind, double samples, double reach) const {
-    if (kind == "solve") return solve(reach);
-    if (is_whole_scene(kind)) return whole_scene(kind, samples);
-    const KindFigures& figures = middle_.bake.kinds.at(kind);
-    if (!seconds_.contains(kind)) return {.seconds = figures.seconds, .bytes = figures.bytes};
-    return {.seconds = samples * seconds_.at(kind).at(reach),
-            .bytes = samples * bytes_.at(kind).at(reach)};
+  [[nodiscard]] Load at(const TaskSpec& task, const TaskSize& size) const {
+    const std::string& kind = task.kind;
+    if (kind == "solve") return solve(size.reach);
+    if (kind == "window_functions") return window_functions(size.samples);
+    if (grows_with_samples(kind)) return in_proportion(kind, size.samples);
+    // Only the bakes in regions have some kinds.
+    if (!middle_.bake.kinds.contains(kind))
+      return measured_load(facts_.regions, kind, size.samples);
+    if (seconds_.contains(kind)) {
+      return {.seconds = size.samples * seconds_.at(kind).at(size.reach),
+              .bytes = size.samples * bytes_.at(kind).at(size.reach)};
+    }
+    Load load = measured_load(middle_, kind, size.samples);
+    load.seconds *= share_of_lights(task);
+    return load;
   }
 
  private:
-  [[nodiscard]] Law fit(const std::string& kind, double KindFigures::*figure, int power) const {
+  [[nodiscard]] Law fit(const std::string& kind, double KindFigures::*figure) const {
     std::vector<std::pair<double, double>> points;
     for (const BakeFacts& facts : facts_.bakes) {
       points.emplace_back(static_cast<double>(facts.bake.sizes.size()),
                           facts.bake.kinds.at(kind).*figure);
     }
-    return fit_law(points, power);
+    return fit_law(points);
   }
   /// Dense LU of a channel: the cube of the unknowns, and a solution of their square.
   [[nodiscard]] Load solve(double reach) const {
@@ -104,13 +136,30 @@ class GrowthLaws {
     const double more = reach / static_cast<double>(middle_.bake.sizes.size());
     return {.seconds = figures.seconds * more * more * more, .bytes = figures.bytes * more * more};
   }
-  /// In proportion to the samples (points a little worse: it sorts).
-  [[nodiscard]] Load whole_scene(const std::string& kind, double samples) const {
+  /// points a little worse than that: it sorts.
+  [[nodiscard]] Load in_proportion(const std::string& kind, double samples) const {
     const KindFigures& figures = middle_.bake.kinds.at(kind);
     const double share = samples / middle_.bake.samples;
     Load load{.seconds = figures.seconds * share, .bytes = figures.bytes * share};
     if (makes_search(kind)) load.use_seconds = middle_.set_up.search_seconds * share;
     return load;
+  }
+  [[nodiscard]] Load window_functions(double samples) const {
+    const MeasuredBake& bake = facts_.regions.bake;
+    double windows = 0.0;
+    for (const Region& region : bake.regions) windows += static_cast<double>(region.window.size());
+    const double mean =
+        bake.samples * windows / static_cast<double>(bake.regions.size() * bake.sizes.size());
+    const KindFigures& figures = bake.kinds.at("window_functions");
+    return {.seconds = figures.seconds * samples / mean, .bytes = figures.bytes * samples / mean};
+  }
+  /// 1 but for a light basis in a window: its example lights against those of a scene solved as a
+  /// whole.
+  [[nodiscard]] double share_of_lights(const TaskSpec& task) const {
+    const auto& p = task.parameters;
+    if (!p.contains("light_regions")) return 1.0;
+    return p["lights"].get<double>() * static_cast<double>(p["light_regions"].size()) /
+           middle_.bake.options.get<double>("lb.example_lights");
   }
 
   const CityFacts& facts_;
@@ -120,25 +169,69 @@ class GrowthLaws {
 };
 
 /// As many clusters as wanted, spread in size as those of the measured bake are.
-std::vector<double> city_sizes(const MeasuredBake& bake, std::size_t clusters, bool even) {
+std::vector<double> city_sizes(const MeasuredBake& bake, std::size_t clusters) {
   std::vector<double> sizes;
   const double mean = bake.samples / static_cast<double>(bake.sizes.size());
   for (std::size_t c = 0; c < clusters; ++c) {
-    const double size = even ? mean : bake.sizes[c % bake.sizes.size()];
-    sizes.push_back(size * kCitySamplesPerCluster / mean);
+    sizes.push_back(bake.sizes[c % bake.sizes.size()] * kCitySamplesPerCluster / mean);
   }
   return sizes;
 }
 
-Machine city_machine(const BakeFacts& facts, double samples, const Change& change) {
-  Machine machine = machine_of(facts, change);
-  const double triangles = kCityTrianglesPerSample * samples;
-  const double more = triangles / facts.set_up.triangles;
-  machine.scene_seconds = 0.5e-6 * triangles;
-  machine.first_task_seconds = facts.set_up.caster_seconds * more;
+void change_settings(GraphSettings& settings, const Change& change) {
+  settings.parts = change.parts;
+  if (!change.even_clusters) return;
+  const double sum = std::accumulate(settings.sizes.begin(), settings.sizes.end(), 0.0);
+  std::ranges::fill(settings.sizes, sum / static_cast<double>(settings.sizes.size()));
+}
+
+void change_machine(Machine& machine, const Change& change) {
+  machine.total_bandwidth *= change.bandwidth_share;
+  machine.poll *= change.poll_share;
   machine.scene_seconds *= change.scene_share;
   machine.first_task_seconds *= change.scene_share;
+  machine.assembly_per_byte *= change.package_share;
+  if (change.forgets) machine.cache_bytes = 0.0;
+}
+
+void change_loads(BakeGraph& graph, const GraphSettings& settings, const Change& change) {
+  const std::size_t clusters = settings.sizes.size();
+  const std::vector<std::size_t> region_of = regions_of_clusters(settings.regions, clusters);
+  for (std::size_t i = 0; i < graph.tasks.size(); ++i) {
+    TaskSpec& task = graph.tasks[i];
+    Load& load = graph.loads[i];
+    load.is_kept = change.keeps_rays && task.kind == "rays";
+    load.use_seconds *= change.search_share;
+    if (settings.regions.empty()) continue;
+    const auto& p = task.parameters;
+    std::size_t region = i % settings.regions.size();
+    const auto cluster = cluster_of(task);
+    const bool has_region = p.contains("region") || cluster;
+    if (p.contains("region")) region = p["region"].get<std::size_t>();
+    if (cluster) region = region_of.at(*cluster);
+    if (change.places_by_region && has_region) task.place = numbered("region", region);
+    if (!change.search_by_region) continue;
+    load.search_part = region;
+    load.search_share =
+        static_cast<double>(settings.regions[region].window.size()) / static_cast<double>(clusters);
+  }
+}
+
+Machine machine_of(const BakeFacts& facts) {
+  Machine machine;
+  machine.scene_seconds = 0.5e-6 * facts.set_up.triangles + 0.05;
+  machine.first_task_seconds = facts.set_up.caster_seconds;
+  machine.assembly_per_byte = facts.bake.outside_tasks / facts.bake.package_bytes;
   return machine;
+}
+
+Workload make_workload(const std::string& name, GraphSettings settings, Machine machine,
+                       const Cost& cost, const Change& change) {
+  change_settings(settings, change);
+  change_machine(machine, change);
+  Workload workload{name, make_lb_graph(settings, cost), machine};
+  change_loads(workload.graph, settings, change);
+  return workload;
 }
 
 }  // namespace
@@ -149,90 +242,73 @@ BakeFacts read_facts(const std::string& folder) {
 }
 
 Workload measured_workload(const std::string& name, const BakeFacts& facts, const Change& change) {
-  GraphSettings settings;
-  settings.sizes = facts.bake.sizes;
-  if (change.even_clusters) {
-    const double mean = facts.bake.samples / static_cast<double>(settings.sizes.size());
-    std::ranges::fill(settings.sizes, mean);
-  }
-  settings.candidate_tasks = static_cast<double>(facts.bake.kinds.at("candidates").tasks);
-  settings.cell_tasks = static_cast<double>(facts.bake.kinds.at("cells").tasks);
-  settings.channels = facts.bake.kinds.at("solve").tasks;
-  Workload workload{name, {}, machine_of(facts, change)};
-  workload.graph = make_lb_graph(settings, [&](const std::string& kind, double samples, double) {
-    return changed(measured_load(facts, kind, samples), kind, change);
-  });
+  const Cost cost = [&](const TaskSpec& task, const TaskSize& size) {
+    return measured_load(facts, task.kind, size.samples);
+  };
+  Workload workload = make_workload(name, measured_settings(facts.bake, facts.set_up.area),
+                                    machine_of(facts), cost, change);
   workload.graph.package_bytes = facts.bake.package_bytes;
-  keep(workload.graph, change);
   return workload;
 }
 
-Workload replayed_workload(const MeasuredBake& bake) {
-  GraphSettings settings;
-  settings.sizes = bake.sizes;
-  settings.candidate_tasks = static_cast<double>(bake.kinds.at("candidates").tasks);
-  settings.cell_tasks = static_cast<double>(bake.kinds.at("cells").tasks);
-  settings.channels = bake.kinds.at("solve").tasks;
+Workload replayed_workload(const BakeFacts& facts) {
+  const MeasuredBake& bake = facts.bake;
   Workload workload{"replay", {}, ideal_machine(bake.ranks)};
   workload.machine.poll = Machine{}.poll;
   workload.machine.charge_coordinator = true;
-  workload.graph = make_lb_graph(settings, [](auto&&...) { return Load{}; });
+  workload.graph =
+      make_lb_graph(measured_settings(bake, facts.set_up.area), [](auto&&...) { return Load{}; });
   for (std::size_t i = 0; i < workload.graph.tasks.size(); ++i) {
-    const auto took = bake.task_seconds.find(workload.graph.tasks[i].id);
-    if (took == bake.task_seconds.end() ||
-        bake.task_seconds.size() != workload.graph.tasks.size()) {
-      throw std::runtime_error("this bake has other tasks than one round of snapshots makes");
+    const std::string& id = workload.graph.tasks[i].id;
+    const auto took = bake.task_seconds.find(id);
+    if (took == bake.task_seconds.end()) {
+      throw std::runtime_error(id + " is planned, yet the bake has no such task");
     }
     workload.graph.loads[i].seconds = took->second;
   }
-  return workload;
-}
-
-Workload city_today(const CityFacts& facts, std::size_t clusters) {
-  const GrowthLaws laws(facts);
-  const BakeFacts& middle = facts.bakes.at(facts.bakes.size() / 2);
-  GraphSettings settings;
-  settings.sizes = city_sizes(middle.bake, clusters, false);
-  settings.gates = true;
-  const double samples = kCitySamplesPerCluster * static_cast<double>(clusters);
-  settings.candidate_tasks = std::ceil(samples / kCandidatesPerTask);
-  settings.cell_tasks = std::min(kMostCellTasks, std::ceil(samples / kSamplesPerCellTask));
-  Workload workload{"city-today", {}, city_machine(middle, samples, {})};
-  workload.machine.edge_seconds = facts.edge_seconds;
-  workload.graph = make_lb_graph(settings, [&](const std::string& kind, double n, double reach) {
-    return laws.at(kind, n, reach);
-  });
-  workload.graph.package_bytes = middle.bake.package_bytes * samples / middle.bake.samples;
-  return workload;
-}
-
-Workload city_in_tiles(const CityFacts& facts, std::size_t clusters, const Change& change) {
-  const GrowthLaws laws(facts);
-  const BakeFacts& middle = facts.bakes.at(facts.bakes.size() / 2);
-  GraphSettings settings;
-  settings.sizes = city_sizes(middle.bake, clusters, change.even_clusters);
-  settings.tiles = clusters / middle.bake.sizes.size();
-  settings.sweeps = 8;
-  settings.solve_parts = static_cast<std::size_t>(change.serial_parts);
-  const double samples = kCitySamplesPerCluster * static_cast<double>(clusters);
-  const auto per_tile = [&](double tasks) {
-    return std::ceil(tasks / static_cast<double>(settings.tiles));
-  };
-  settings.candidate_tasks = per_tile(samples / kCandidatesPerTask);
-  settings.cell_tasks = per_tile(samples / kSamplesPerCellTask);
-  Workload workload{change.name, {}, city_machine(middle, samples, change)};
-  workload.graph = make_lb_graph(settings, [&](const std::string& kind, double n, double reach) {
-    Load load = laws.at(kind, n, reach);
-    // The graph itself splits the solve.
-    return kind == "solve" ? load : changed(load, kind, change);
-  });
-  workload.graph.package_bytes = middle.bake.package_bytes * samples / middle.bake.samples;
-  // Tiles of the package are written side by side; what is left is the scene and the index.
-  workload.machine.assembly_per_byte /= static_cast<double>(settings.tiles);
-  keep(workload.graph, change);
-  if (change.ignores_places) {
-    for (TaskSpec& task : workload.graph.tasks) task.place.clear();
+  for (const auto& [id, seconds] : bake.task_seconds) {
+    if (workload.graph.index.contains(id)) continue;
+    throw std::runtime_error(id + " is in the bake, yet not planned for one round of snapshots");
   }
+  return workload;
+}
+
+CityPlan plan_city(std::size_t clusters, std::size_t window) {
+  CityPlan plan{.clusters = clusters, .regions = {}, .windows_seconds = 0.0};
+  if (clusters <= lb::kWholeClusters) return plan;
+  const Grid grid{clusters};
+  const ClusterExchange exchange = city_exchange(grid);
+  std::vector<Vec3f> centres;
+  for (std::size_t c = 0; c < clusters; ++c) {
+    centres.emplace_back(static_cast<float>(grid.x(c)), static_cast<float>(grid.y(c)), 0.0F);
+  }
+  const auto n = static_cast<Eigen::Index>(clusters);
+  plan.windows_seconds = timed([&] {
+    plan.regions = find_windows(make_regions(centres, lb::kRegionClusters), exchange, VectorD::Constant(n, 0.5),
+                                VectorD::Ones(n), {.most_clusters = window});
+  });
+  return plan;
+}
+
+Workload city_workload(const CityFacts& facts, const CityPlan& plan, const Change& change) {
+  const GrowthLaws laws(facts);
+  const BakeFacts& middle = facts.bakes.at(facts.bakes.size() / 2);
+  const double samples = kCitySamplesPerCluster * static_cast<double>(plan.clusters);
+  const double more = samples / middle.bake.samples;
+  GraphSettings settings = measured_settings(middle.bake, more * middle.set_up.area);
+  settings.options.set("samples.count", static_cast<std::size_t>(samples));
+  settings.sizes = city_sizes(middle.bake, plan.clusters);
+  settings.regions = plan.regions;
+  Machine machine = machine_of(middle);
+  const double triangles = kCityTrianglesPerSample * samples;
+  machine.scene_seconds = 0.5e-6 * triangles;
+  machine.first_task_seconds = middle.set_up.caster_seconds * triangles / middle.set_up.triangles;
+  const Cost cost = [&](const TaskSpec& task, const TaskSize& size) {
+    if (task.kind == "windows") return Load{.seconds = plan.windows_seconds};
+    return laws.at(task, size);
+  };
+  Workload workload = make_workload(change.name, std::move(settings), machine, cost, change);
+  workload.graph.package_bytes = middle.bake.package_bytes * more;
   return workload;
 }
 
@@ -242,20 +318,6 @@ std::map<std::string, double> seconds_by_kind(const BakeGraph& graph) {
     seconds[graph.tasks[i].kind] += graph.loads[i].seconds;
   }
   return seconds;
-}
-
-double measure_edge_seconds(const BakeFacts& facts, std::size_t clusters) {
-  GraphSettings settings;
-  settings.sizes.assign(clusters, kCitySamplesPerCluster);
-  const BakeGraph graph = make_lb_graph(settings, [&](const std::string& kind, double n, double) {
-    return measured_load(facts, kind, n);
-  });
-  Machine machine = ideal_machine(64);
-  machine.charge_coordinator = true;
-  const Outcome outcome = simulate(graph, machine);
-  double edges = 0.0;
-  for (const auto& inputs : graph.inputs) edges += static_cast<double>(inputs.size());
-  return outcome.coordinator / edges;
 }
 
 }  // namespace prt::scaling

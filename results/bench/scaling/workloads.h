@@ -1,9 +1,11 @@
 // The bakes whose scaling is predicted.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
+#include "scaling/measured_bake.h"
 #include "scaling/rank_set_up.h"
 #include "scaling/simulation.h"
 
@@ -16,18 +18,20 @@ struct BakeFacts {
 };
 BakeFacts read_facts(const std::string& folder);
 
-/// Where a what-if differs from the graph and the costs of today.
+/// Where a what-if differs from the plan and the costs of today.
 struct Change {
   std::string name;
-  bool even_clusters = false;    ///< all of the mean size
-  double serial_parts = 1.0;     ///< tasks that points, solve and evaluate are each split into
-  double search_share = 1.0;     ///< of today's neighbour search, per rank
-  bool keeps_inputs = false;     ///< whoever reads anything has it in memory: perfect placement
-  bool keeps_rays = false;       ///< whoever reads rays has them in memory
-  double bandwidth_share = 1.0;  ///< of the file system's
+  std::map<std::string, std::size_t> parts = {};  ///< GraphSettings::parts
+  bool even_clusters = false;                     ///< all of the mean size
+  double search_share = 1.0;                      ///< of today's neighbour search, per rank
+  bool search_by_region = false;  ///< one for each window that a rank has tasks of, of that size
+  bool places_by_region = false;  ///< a region's tasks run on one rank unless somebody would wait
+  bool keeps_rays = false;        ///< whoever reads rays has them in memory
+  bool forgets = false;           ///< a rank keeps nothing from task to task
+  double bandwidth_share = 1.0;   ///< of the file system's
   double poll_share = 1.0;
-  double scene_share = 1.0;     ///< of loading the scene and making the ray caster, per rank
-  bool ignores_places = false;  ///< any rank gets any task
+  double scene_share = 1.0;    ///< of loading the scene and making the ray caster, per rank
+  double package_share = 1.0;  ///< of writing the package
 };
 
 struct Workload {
@@ -41,24 +45,28 @@ Workload measured_workload(const std::string& name, const BakeFacts& facts,
                            const Change& change = {});
 
 /// The tasks of a bake of one or more ranks with the wall time that each took, reading and writing
-/// included: what is then simulated can be held against what the bake took.
-Workload replayed_workload(const MeasuredBake& bake);
+/// included: what is then simulated can be held against what the bake took. Throws where the bake
+/// has other tasks than the graph.
+Workload replayed_workload(const BakeFacts& facts);
 
-/// How costs grow: from bakes of one scene at several sizes, the middle one at the paper's.
+/// How costs grow: from bakes of one scene at several sizes, the middle one at the paper's, and
+/// from one in regions.
 struct CityFacts {
   std::vector<BakeFacts> bakes;
-  double edge_seconds = 0.0;  ///< of the coordinator per input
+  BakeFacts regions;
 };
-/// `clusters` clusters of 1000 samples, by the rules of today.
-Workload city_today(const CityFacts& facts, std::size_t clusters);
-/// The same in tiles of as many clusters as the gallery has, each of which exchanges light with two
-/// neighbours; no stage concerns the whole scene.
-Workload city_in_tiles(const CityFacts& facts, std::size_t clusters, const Change& change = {});
+/// Clusters of a city on a square grid, and how it is cut up.
+struct CityPlan {
+  std::size_t clusters = 0;
+  std::vector<Region> regions;   ///< empty: solved for as a whole
+  double windows_seconds = 0.0;  ///< CPU, of finding the regions' windows
+};
+/// `window`: most clusters of a region's window, and in a big city the number that it has.
+CityPlan plan_city(std::size_t clusters, std::size_t window);
+/// A bake of clusters of 1000 samples.
+Workload city_workload(const CityFacts& facts, const CityPlan& plan, const Change& change = {});
 
-/// Seconds per task or stage of today's rules at that many clusters, by kind.
+/// Seconds by kind.
 std::map<std::string, double> seconds_by_kind(const BakeGraph& graph);
-
-/// Coordinator seconds per input, from a graph of `clusters` clusters whose inputs are all named.
-double measure_edge_seconds(const BakeFacts& facts, std::size_t clusters);
 
 }  // namespace prt::scaling

@@ -10,13 +10,11 @@
 namespace prt::lb {
 
 std::size_t most_region_clusters(const OptionValues& options, std::size_t clusters) {
-  constexpr std::size_t kWhole = 256;
-  constexpr std::size_t kRegion = 64;
   if (options.get<std::string>("lb.solver") == "photons") return clusters;
   if (!options.is_auto("lb.region_clusters")) {
     return options.get<std::size_t>("lb.region_clusters");
   }
-  return clusters <= kWhole ? clusters : kRegion;
+  return clusters <= kWholeClusters ? clusters : kRegionClusters;
 }
 
 std::vector<std::string> numbered_all(const std::string& stage,

@@ -14,8 +14,12 @@ namespace prt::lb {
 /// unknowns per cluster and takes 1 GB.
 inline constexpr std::size_t kWindowClusters = 192;
 
-/// Most clusters of a region in a scene of so many: all of them up to 256, whose system takes 2 GB,
-/// and where photons need no system.
+/// Up to so many clusters, whose system takes 2 GB, a scene is solved for as a whole ...
+inline constexpr std::size_t kWholeClusters = 256;
+/// ... and above in regions of so many.
+inline constexpr std::size_t kRegionClusters = 64;
+
+/// Most clusters of a region in a scene of so many. Photons need no system: one region.
 std::size_t most_region_clusters(const OptionValues& options, std::size_t clusters);
 
 /// Names "stage/0007" of some clusters' tasks.

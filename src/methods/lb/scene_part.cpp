@@ -146,6 +146,31 @@ std::vector<Region> get_regions(const Artifact& artifact) {
   return regions;
 }
 
+Artifact put_regions(const std::vector<Region>& regions) {
+  Lists clusters;
+  Lists windows;
+  std::vector<double> left_out;
+  std::size_t largest = 0;
+  double total = 0.0;
+  for (const Region& region : regions) {
+    clusters.push_back(region.clusters);
+    windows.push_back(region.window);
+    left_out.push_back(region.left_out);
+    largest = std::max(largest, region.window.size());
+    total += static_cast<double>(region.window.size());
+  }
+  Artifact out;
+  put_lists(out, "regions", clusters, "clusters that are solved for together");
+  put_lists(out, "windows", windows, "clusters whose light counts in a region");
+  out.put<double>("left_out", left_out, {left_out.size()}, "1",
+                  "most of a uniformly lit region's indirect light that is not in its window");
+  out.attributes = {{"regions", regions.size()},
+                    {"largest_window", largest},
+                    {"mean_window", total / static_cast<double>(regions.size())},
+                    {"error", *std::ranges::max_element(left_out)}};
+  return out;
+}
+
 std::shared_ptr<const std::vector<Region>> shared_regions(const TaskSpec& task,
                                                           const TaskReader& reader) {
   if (!task.parameters.contains("region")) {
@@ -241,32 +266,10 @@ Artifact run_windows(const TaskSpec& task, const TaskReader& reader) {
     areas[c] = cluster_areas(samples, c).cast<double>().sum();
   }
   const auto& p = task.parameters;
-  const std::vector<Region> regions =
+  return put_regions(
       find_windows(make_regions(cluster_centres(samples), p["region_clusters"].get<std::size_t>()),
                    exchange, cluster_albedo(samples, reader.input(1)->matrix("albedo"), areas),
-                   areas, {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()});
-  Lists clusters;
-  Lists windows;
-  std::vector<double> left_out;
-  std::size_t largest = 0;
-  double total = 0.0;
-  for (const Region& region : regions) {
-    clusters.push_back(region.clusters);
-    windows.push_back(region.window);
-    left_out.push_back(region.left_out);
-    largest = std::max(largest, region.window.size());
-    total += static_cast<double>(region.window.size());
-  }
-  Artifact out;
-  put_lists(out, "regions", clusters, "clusters that are solved for together");
-  put_lists(out, "windows", windows, "clusters whose light counts in a region");
-  out.put<double>("left_out", left_out, {left_out.size()}, "1",
-                  "most of a uniformly lit region's indirect light that is not in its window");
-  out.attributes = {{"regions", regions.size()},
-                    {"largest_window", largest},
-                    {"mean_window", total / static_cast<double>(regions.size())},
-                    {"error", *std::ranges::max_element(left_out)}};
-  return out;
+                   areas, {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()}));
 }
 
 }  // namespace prt::lb
