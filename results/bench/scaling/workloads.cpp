@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "methods/common/inputs.h"
+#include "methods/lb/regions.h"
 
 namespace prt::scaling {
 
