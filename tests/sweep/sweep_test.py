@@ -108,6 +108,14 @@ class QuickSweep(unittest.TestCase):
         self.assertEqual(index.stat().st_mtime_ns, stamp)
         self.assertEqual(len(again.stdout.splitlines()), 2, "the verdicts alone")
 
+    def test_refuses_rows_of_other_defaults(self):
+        other = self.folder / "other.csv"
+        text = self.table.read_text(encoding="utf-8").replace("lb.light_rank=4", "lb.light_rank=5")
+        other.write_text("".join(text.splitlines(keepends=True)[:-1]), encoding="utf-8")
+        again = run(*self.words, "--csv", other)
+        self.assertEqual(again.returncode, 2, again.stderr)
+        self.assertIn("other defaults", again.stderr)
+
     def test_sums_over_lights_give_the_pooled_error(self):
         # Photons this few: no light's error drowns in the noise of its references.
         study = bake_study.Study(str(ROOT / "configs/default.yaml"), str(self.folder / "cornell"),
