@@ -8,7 +8,7 @@ COSTS = ("cpu_seconds", "bytes")
 ERRORS = ("indirect", "direct_median")
 SURE = 2.0  # standard errors that make a difference one
 SAME = 0.05  # share of the defaults' error within which another is as good
-CHEAPER = 0.1  # share of the cost that is worth a change; CPU seconds repeat to some 5 %
+CHEAPER = 0.1  # share of a cost that is worth a change
 
 
 def front(rows, cost, error):
@@ -20,22 +20,30 @@ def front(rows, cost, error):
     return kept
 
 
-def better(row, error):
-    return row[f"{error}_gap"] < -SURE * row[f"{error}_gap_error"]
+def better(row, default, error):
+    noise = SURE * row[f"{error}_gap_error"]
+    return row[f"{error}_gap"] < -max(noise, SAME * default[error])
 
 
 def as_good(row, default, error):
     return row[f"{error}_gap"] + SURE * row[f"{error}_gap_error"] < SAME * default[error]
 
 
-def beats(row, default, cost):
-    """Why the row is beyond noise a better choice than the defaults at this cost; empty if not.
-    More accurate for no more, or as accurate for clearly less; in neither error worse."""
-    if row[cost] > default[cost]:
+def undercut(rows, default, cost, error):
+    """The most accurate row of those that cost no more and are beyond noise better in this error."""
+    found = [row for row in rows if row[cost] <= default[cost] and better(row, default, error)]
+    return min(found, key=lambda row: row[error], default=None)
+
+
+def beats(row, default):
+    """Why the row is beyond noise a better choice than the defaults; empty if not. Neither cost is
+    higher and neither error worse, and one of them is clearly lower."""
+    if any(row[cost] > default[cost] for cost in COSTS):
         return ""
-    gains = [error for error in ERRORS if better(row, error)]
+    gains = [error for error in ERRORS if better(row, default, error)]
     if not all(as_good(row, default, error) or error in gains for error in ERRORS):
         return ""
     if gains:
         return f"less {' and '.join(gains)} error for no more"
-    return "as good for less" if row[cost] < (1 - CHEAPER) * default[cost] else ""
+    cheaper = any(row[cost] < (1 - CHEAPER) * default[cost] for cost in COSTS)
+    return "as good for less" if cheaper else ""

@@ -106,7 +106,7 @@ class QuickSweep(unittest.TestCase):
         again = run(*self.words)
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(index.stat().st_mtime_ns, stamp)
-        self.assertEqual(len(again.stdout.splitlines()), 2, "the verdicts alone")
+        self.assertNotIn(" MB ", again.stdout, "the verdict alone")
 
     def test_refuses_rows_of_other_defaults(self):
         other = self.folder / "other.csv"
@@ -141,7 +141,8 @@ class Rubbish(unittest.TestCase):
             spoiled.write_text(",".join(row) + "\n" + ",".join(row.values()) + "\n", encoding="utf-8")
             quick = ["--quick", "--out", folder / "bakes"]
             for words in ([], ["nowhere.glb"], ["gallery", "gallery"], ["gallery", "--axis", "d3"],
-                          ["gallery", "--lights", "0"], ["gallery", "--spp", "many"], ["gallery", "--threads", "-1"], ["--rubbish"],
+                          ["gallery", "--lights", "0"], ["gallery", "--spp", "many"],
+                          ["gallery", "--threads", "-1"], ["--rubbish"],
                           [*quick, "--csv", foreign], [*quick, "--csv", other],
                           [*quick, "--csv", spoiled], [*quick, "--csv", folder],
                           ["--quick", "--out", foreign], [SCRIPT, *quick]):
@@ -168,9 +169,10 @@ class Changes(unittest.TestCase):
             self.assertEqual(bake_study.settings_of([change], self.OPTIONS), [], change)
 
 
-def row(cost, indirect, direct=0.0, noise=0.001):
-    """Beside defaults of cost 10 and errors 0.1: figures as differences to them."""
-    figures = {"cpu_seconds": cost, "indirect": 0.1 + indirect, "direct_median": 0.1 + direct}
+def row(cost, indirect, direct=0.0, noise=0.001, size=7):
+    """Beside defaults of cost 10, size 7 and errors 0.1: figures as differences to them."""
+    figures = {"cpu_seconds": cost, "bytes": size}
+    figures |= {"indirect": 0.1 + indirect, "direct_median": 0.1 + direct}
     for error, gap in (("indirect", indirect), ("direct_median", direct)):
         figures |= {f"{error}_gap": gap, f"{error}_gap_error": noise}
     return figures
@@ -187,17 +189,26 @@ class Pareto(unittest.TestCase):
         for other, beaten in (
             (row(10, -0.01), True),  # less error, no dearer
             (row(10.1, -0.01), False),  # ... dearer
-            (row(10, -0.0019), False),  # ... within two standard errors
+            (row(10, -0.01, noise=0.006), False),  # ... within two standard errors
+            (row(10, -0.004), False),  # ... hardly less
             (row(10, -0.01, direct=0.01), False),  # ... the other error worse
             (row(8, 0.0), True),  # as good for less
             (row(9.5, 0.0), False),  # ... hardly less
             (row(8, 0.0, noise=0.004), False),  # ... it cannot be told whether as good
             (row(8, 0.004), False),
             (row(8, 0.0, direct=0.02), False),
+            (row(10, -0.01, size=8), False),  # ... more bytes
+            (row(10, 0.0, size=6), True),
         ):
             with self.subTest(other=other):
-                self.assertEqual(bool(pareto.beats(other, default, "cpu_seconds")), beaten)
-        self.assertEqual(pareto.beats(default, default, "cpu_seconds"), "")
+                self.assertEqual(bool(pareto.beats(other, default)), beaten)
+        self.assertEqual(pareto.beats(default, default), "")
+
+    def test_undercut_looks_at_one_error_and_one_cost(self):
+        default = row(10, 0.0, noise=0.0)
+        rows = [default, row(9, -0.01, direct=0.05, size=9), row(9, -0.02, noise=0.02), row(11, -0.03)]
+        self.assertIs(pareto.undercut(rows, default, "cpu_seconds", "indirect"), rows[1])
+        self.assertIsNone(pareto.undercut(rows, default, "bytes", "direct_median"))
 
 
 if __name__ == "__main__":
