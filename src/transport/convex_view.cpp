@@ -69,6 +69,38 @@ bool all_end_on(const std::vector<Wall>& walls, const SampleSet& samples,
   return true;
 }
 
+/// Whether no way leads out to infinity, past all walls, from the front of a surface. Rays leave
+/// gaps between them: in a long corridor none may meet what stands at its far end, and the walls
+/// that are met do not say that there is one.
+bool is_bounded(const std::vector<Wall>& walls, const Vec3f& front) {
+  constexpr float kSlack = 1e-4F;
+  std::vector<Vec3f> outwards = {-front};
+  for (const Wall& wall : walls) outwards.push_back(wall.head<3>());
+  const auto leads_out = [&](const Vec3f& way) {
+    return std::ranges::none_of(outwards, [&](const Vec3f& n) { return n.dot(way) > kSlack; });
+  };
+  // A cone of ways has an edge along which two planes meet, or is a line, half plane or more.
+  bool turns = false;
+  for (std::size_t i = 0; i < outwards.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3f edge = outwards[i].cross(outwards[j]);
+      if (edge.norm() < kSlack) continue;
+      turns = true;
+      if (leads_out(edge.normalized()) || leads_out(-edge.normalized())) return false;
+    }
+  }
+  return turns;
+}
+
+bool is_bounded(const std::vector<Wall>& walls, const SampleSet& samples, const ClusterView& view) {
+  for (std::uint32_t s = view.begin; s < view.end; ++s) {
+    const Vec3f& front = samples.normals[s];
+    const bool known = s > view.begin && front == samples.normals[s - 1];
+    if (!known && !is_bounded(walls, front)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<MatrixF> convex_walls(const SampleSet& samples,
@@ -80,7 +112,10 @@ std::optional<MatrixF> convex_walls(const SampleSet& samples,
   std::vector<std::uint8_t> is_sender(samples.size(), 0);
   for (const std::uint32_t sender : view.senders) is_sender[sender] = 1;
   const auto walls = planes_of(samples, is_sender, view.bound);
-  if (!walls || !all_end_on(*walls, samples, directions, view)) return std::nullopt;
+  if (!walls || !is_bounded(*walls, samples, view) ||
+      !all_end_on(*walls, samples, directions, view)) {
+    return std::nullopt;
+  }
   MatrixF rows(std::ssize(*walls), 4);
   for (Eigen::Index w = 0; w < rows.rows(); ++w) rows.row(w) = (*walls)[w].transpose();
   return rows;

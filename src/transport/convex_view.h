@@ -21,8 +21,8 @@ struct ClusterView {
 /// The walls (bases/depth_basis.h) that all rays of a cluster end on, where these are the faces of
 /// a convex space with all of the cluster in it: whatever is inside is seen, whatever is outside is
 /// not. No rows where all rays escape. None where a hit lies in front of a wall, a ray was lost,
-/// some rays escape and some do not (light may come in past the edge of a wall), or there are more
-/// than kMostWalls: then depths are needed.
+/// some rays escape and some do not (light may come in past the edge of a wall), the walls that
+/// were met leave a way out to infinity, or there are more than kMostWalls: then depths are needed.
 std::optional<MatrixF> convex_walls(const SampleSet& samples,
                                     const HemisphereDirections& directions,
                                     const ClusterView& view);

@@ -16,7 +16,6 @@ const Vec3f kHigh(2.0F, 1.5F, 3.0F);
 OptionValues few_rays() {
   OptionValues options = test::default_options(lb_method());
   options.set("samples.count", 300);
-  options.set("samples.cluster_size", 50);
   options.set("rays.directions", 144);
   return options;
 }
@@ -29,10 +28,11 @@ struct Views {
   }
 };
 
-Views look(Scene scene, const Vec3f& start) {
+Views look(Scene scene, const Vec3f& start, int cluster_size = 50) {
   test::finish(scene);
   OptionValues options = few_rays();
   options.set("samples.start", {start.x(), start.y(), start.z()});
+  options.set("samples.cluster_size", cluster_size);
   test::InProcessBake bake(scene, options);
   test::run_kinds(bake, lb_method(), test::kSamplingAndRays);
   Views views{test::samples_of(bake), {}};
@@ -127,6 +127,27 @@ TEST(ConvexWalls, AnotherRoomBehindAWallIsNoHindrance) {
   test::add_box(scene, Vec3f(2.2F, 0, 0), Vec3f(4.2F, 2.5F, 3.0F), 0);
   const Views views = look(scene, 0.4F * kHigh);
   EXPECT_EQ(views.empty(), views.walls.size());
+}
+
+TEST(ConvexWalls, AreNotKnownWhereNoRayGetsToTheEnd) {
+  // So long a corridor that rays along it meet its sides first.
+  Scene scene;
+  test::add_box(scene, Vec3f::Zero(), {100, 1, 1},
+                test::add_material(scene, Vec3f::Constant(0.5F)));
+  const Views views = look(scene, {50, 0.5F, 0.5F}, 8);
+  std::size_t inner = 0;
+  for (std::uint32_t c = 0; c < views.walls.size(); ++c) {
+    bool far_from_ends = true;
+    for (std::uint32_t s = views.samples.cluster_begin[c]; s < views.samples.cluster_begin[c + 1];
+         ++s) {
+      const float x = views.samples.positions[s].x();
+      far_from_ends = far_from_ends && x > 20.0F && x < 80.0F;
+    }
+    if (!far_from_ends) continue;
+    ++inner;
+    EXPECT_FALSE(views.walls[c]) << c;
+  }
+  EXPECT_GT(inner, 0U);
 }
 
 TEST(WallVisibility, EndsAtTheWalls) {
