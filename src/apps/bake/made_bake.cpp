@@ -72,8 +72,10 @@ std::vector<StagePrediction> scale_bake(const BakeProgram& program, const Method
   std::vector<StagePrediction> stages;
   for (const std::string& name : made.stages.order()) {
     const auto w = wanted.find(name);
-    if (w == wanted.end()) continue;
-    const StageWork& h = had.at(name);
+    const auto found = had.find(name);
+    // A stage that the one size has and the other has not tells nothing.
+    if (w == wanted.end() || found == had.end()) continue;
+    const StageWork& h = found->second;
     stages.push_back({name, w->second.tasks, w->second.rays,
                       scaled_seconds(made.stages.seconds(name), h.tasks,
                                      ratio(w->second.work, h.work), w->second.tasks),

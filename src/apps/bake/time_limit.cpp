@@ -109,6 +109,9 @@ std::vector<double> TimedLevels::seconds_after(const LevelDone& done, int most, 
   const double itself = expected(made.options);
   // Found without a word of what it took: one step on is all that can be answered for.
   if (itself <= 0.0) return {0.0};
+  // After an interruption the clock knows of finished tasks alone, and may have seen less than
+  // them.
+  took = std::max(took, itself);
   std::vector<double> seconds;
   for (int level = done.level + 1; level <= most; ++level) {
     seconds.push_back(took * expected(options_at(method_, options_, level)) / itself);
