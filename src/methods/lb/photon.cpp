@@ -20,7 +20,7 @@ Artifact run_photons(const TaskSpec& task, const TaskReader& reader) {
   PhotonSettings settings;
   settings.photons = p["photons"].get<std::uint64_t>();
   settings.bounces = p["bounces"].get<int>();
-  settings.stream = stream_key(p["seed"].get<std::uint64_t>(), task.id);
+  settings.stream = stream_key(p["seed"].get<std::uint64_t>(), numbered("photons", cluster));
   const PhotonTransfer shot = blaming_the_scene([&] {
     return shoot_photons(reader.scene(), reader.ray_caster(), shared->samples, *search, points,
                          cluster, own, p["channels"].get<int>(), settings);
