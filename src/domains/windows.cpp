@@ -8,6 +8,10 @@ namespace prt {
 namespace {
 
 constexpr int kMostBounces = 200;
+// Uniformly lit clusters are summed up until a bounce adds no more than this to the brightest, or
+// until they are so much brighter than direct light makes them that nobody solves for them.
+constexpr double kLeastChange = 1e-5;
+constexpr double kMostGain = 1e4;
 // The series ends where what it adds is this share of the tolerance, and parts of it below the
 // second number are dropped on the way: so small beside the tolerance that sums of thousands of
 // them do not matter.
@@ -41,10 +45,11 @@ void split(std::span<const Vec3f> centres, std::span<std::uint32_t> clusters, st
   split(centres, clusters.subspan(middle), parts - half, regions);
 }
 
-/// Irradiance of every cluster where direct light is 1 everywhere: E = 1 + S·diag(albedo)·E.
-VectorD uniformly_lit(const ClusterExchange& exchange, const VectorD& albedo, double tolerance) {
+}  // namespace
+
+VectorD uniform_irradiance(const ClusterExchange& exchange, const VectorD& albedo) {
   VectorD lit = VectorD::Ones(albedo.size());
-  for (int bounce = 0; bounce < kMostBounces; ++bounce) {
+  while (lit.maxCoeff() < kMostGain) {
     VectorD next = VectorD::Ones(albedo.size());
     for (Eigen::Index r = 0; r < albedo.size(); ++r) {
       for (std::uint32_t k = exchange.begin[r]; k < exchange.begin[r + 1]; ++k) {
@@ -54,10 +59,12 @@ VectorD uniformly_lit(const ClusterExchange& exchange, const VectorD& albedo, do
     }
     const double change = (next - lit).cwiseAbs().maxCoeff();
     lit = next;
-    if (change <= kSeriesShare * tolerance * lit.maxCoeff()) break;
+    if (change <= kLeastChange * lit.maxCoeff()) break;
   }
   return lit;
 }
+
+namespace {
 
 /// Sums over bounces of how much of the light that a region gets was at each cluster.
 class Visits {
@@ -125,8 +132,8 @@ std::vector<std::vector<std::uint32_t>> make_regions(std::span<const Vec3f> cent
 
 std::vector<Region> find_windows(const std::vector<std::vector<std::uint32_t>>& regions,
                                  const ClusterExchange& exchange, const VectorD& albedo,
-                                 const VectorD& areas, const WindowLimits& limits) {
-  const VectorD lit = uniformly_lit(exchange, albedo, limits.tolerance);
+                                 const VectorD& areas, const VectorD& lit,
+                                 const WindowLimits& limits) {
   Visits visits(exchange, albedo);
   std::vector<Region> found;
   for (const Clusters& own : regions) {

@@ -24,8 +24,9 @@ struct Region {
   std::vector<std::uint32_t> clusters;  ///< ascending; every cluster is in one region
   std::vector<std::uint32_t> window;    ///< ascending, all of `clusters` among them
   /// Share of the region's indirect light that passes through clusters outside its window where
-  /// direct light is the same everywhere: an upper bound. Light from near weighs more in a scene
-  /// with lamps, and less is lost.
+  /// direct light is the same everywhere: an upper bound of what is lost if all of the window's own
+  /// exchange is kept. A lamp among clusters that are left out loses all that it sends here, one in
+  /// the region next to nothing.
   double left_out = 0.0;
 };
 
@@ -40,11 +41,17 @@ struct WindowLimits {
   std::size_t most_clusters = 192;  ///< of a window that is larger than its region, even so
 };
 
+/// Irradiance of every cluster where direct light is 1 everywhere, all bounces summed up:
+/// E = 1 + T E. Ends near 10,000, for where light is as good as never lost.
+VectorD uniform_irradiance(const ClusterExchange& exchange, const VectorD& albedo);
+
 /// The smallest windows that leave out at most the tolerance: clusters by how much of the region's
 /// light passes through them, all bounces counted (the adjoint Neumann series of
-/// T = shares · albedo). `albedo`, `areas` (m²): of each cluster.
+/// T = shares · albedo). `albedo`, `areas` (m²): of each
+/// cluster; `lit`: uniform_irradiance.
 std::vector<Region> find_windows(const std::vector<std::vector<std::uint32_t>>& regions,
                                  const ClusterExchange& exchange, const VectorD& albedo,
-                                 const VectorD& areas, const WindowLimits& limits);
+                                 const VectorD& areas, const VectorD& lit,
+                                 const WindowLimits& limits);
 
 }  // namespace prt

@@ -45,7 +45,7 @@ class PretendedBake : public PlanInputs {
       artifact->attributes = {{"largest", 0.5}, {"colour_spread", s_.grey ? 0.0 : 0.5}};
     } else if (id == lb::kWindowsTask) {
       if (s_.regions.empty()) throw std::logic_error("no regions are known of this bake");
-      *artifact = lb::put_regions(s_.regions);
+      *artifact = lb::put_regions(s_.regions, 2.0);
     } else if (id.starts_with("residual/")) {
       artifact->attributes = {{"squared_residual", 0.0}, {"squared_source", 1.0}};
     } else if (id.starts_with("visibility/")) {  // what follows tells what was left out: nothing

@@ -285,8 +285,10 @@ CityPlan plan_city(std::size_t clusters, std::size_t window) {
   }
   const auto n = static_cast<Eigen::Index>(clusters);
   plan.windows_seconds = timed([&] {
-    plan.regions = find_windows(make_regions(centres, lb::kRegionClusters), exchange, VectorD::Constant(n, 0.5),
-                                VectorD::Ones(n), {.most_clusters = window});
+    const VectorD albedo = VectorD::Constant(n, 0.5);
+    plan.regions =
+        find_windows(make_regions(centres, lb::kRegionClusters), exchange, albedo, VectorD::Ones(n),
+                     uniform_irradiance(exchange, albedo), {.most_clusters = window});
   });
   return plan;
 }

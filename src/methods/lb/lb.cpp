@@ -117,8 +117,8 @@ class LeonhardtBohn : public Method {
          1.0,
          {},
          "1",
-         "most of a region's indirect light that may stay outside its window, where the scene is "
-         "lit uniformly",
+         "share of a region's indirect light that may stay outside its window, where the scene is "
+         "lit uniformly; more may where windows are full at 192 clusters or three regions",
          "beyond LB"},
         {"lb.solver",
          Type::kText,

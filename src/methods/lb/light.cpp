@@ -19,9 +19,9 @@ namespace prt::lb {
 namespace {
 
 // Training lights keep half the distance from surfaces that test lights do (design: what "error"
-// means).
+// means); in a scene of several regions it is a share of the region's diagonal.
 constexpr float kClearance = 0.01F;
-// 1/r² of an example light is clipped below this share of the samples' diagonal, or a few lights
+// 1/r² of an example light is clipped below this share of the region's diagonal, or a few lights
 // close to a surface would own the basis. 0.04 did better than 0.02 on 16
 // lights of the gallery kept out of the training, at 12,000 samples; not tuned further.
 constexpr float kNearest = 0.04F;
@@ -455,9 +455,8 @@ Artifact run_window_functions(const TaskSpec& task, const TaskReader& reader) {
   } else {
     put_coefficients(out, collected, other);
   }
-  out.attributes = {{"functions", collected.count()},
-                    {"needless", needless},
-                    {"needless_effect", most_effect}};
+  out.attributes = {
+      {"functions", collected.count()}, {"needless", needless}, {"needless_effect", most_effect}};
   return out;
 }
 

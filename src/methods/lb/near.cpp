@@ -55,7 +55,7 @@ void append_near(const Artifact& part, NearTransfer& near) {
 std::shared_ptr<const GatherEntries> shared_near(const TaskReader& reader, std::size_t first,
                                                  const ScenePart& part) {
   const std::size_t clusters = part.clusters().size();
-  std::string name = "near";
+  std::string name = "near of " + reader.input_content(0).hex();
   for (std::size_t c = 0; c < clusters; ++c) name += " " + reader.input_content(first + c).hex();
   return reader.memo().get<GatherEntries>(name, [&] {
     NearTransfer near;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/error.h"
 #include "methods/common/inputs.h"
 #include "methods/common/rays.h"
 #include "methods/common/sampling.h"
@@ -27,9 +28,12 @@ constexpr int kTransferRank = 50;
 // of that kind: one by one they would cost more than all the rest.
 constexpr double kNearRays = 6.0;
 // Example lights of a region at least, however many regions share the lights of a window.
-constexpr std::size_t kLeastLights = 256;
+constexpr std::size_t kLeastLights = kLightsPerTask;
 // From so many bounces on all of them cost no more: the same reduced system is solved.
 constexpr int kMostCounted = 2;
+// As many times as bright as direct light alone makes it, a scene is not solved for: see
+// reduced_system.cpp. A window of one lets light out, and would not notice.
+constexpr double kMostGain = 1e4;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
 
@@ -146,20 +150,33 @@ class Planner {
     });
     TaskSpec spec = make(kWindowsTask, kWindowsTask, {kSamplesTask, kAlbedoTask}, kNoScene, 1.0);
     append(spec.inputs, all("reach", clusters_));
+    spec.version = 2;
     spec.parameters = {{"region_clusters", most},
                        {"tolerance", options_.get<double>("lb.window_tolerance")},
-                       {"most_clusters", kWindowClusters}};
+                       {"most_clusters", most_window_clusters(most)}};
     plan_.tasks.push_back(spec);
     plan_.results.emplace_back(kWindowsTask);
     const auto windows = in_.result(kWindowsTask);
     if (!windows) return false;
     regions_ = Regions(get_regions(*windows), clusters_);
+    if (bounces() < 0 && windows->attribute<double>("gain") >= kMostGain) {
+      throw UserError(
+          "scene: light is as good as never lost: some albedo is too near 1 in a closed space; "
+          "lower "
+          "it or set transport.bounces");
+    }
+    const double error = windows->attribute<double>("error");
+    if (windows->attribute<double>("mean_window") >= static_cast<double>(clusters_)) return true;
     plan_.left_out.push_back(
         {"transfer between distant clusters",
-         fmt::format("{} regions exchange light with {:.0f} of {} clusters in the mean; at most "
-                     "{:.2g} of a uniformly lit region's indirect light comes from outside",
-                     regions_.count(), windows->attribute<double>("mean_window"), clusters_,
-                     windows->attribute<double>("error"))});
+         fmt::format(
+             "{} regions exchange light with {:.0f} of {} clusters in the mean; some {:.2g} "
+             "of a uniformly lit region's indirect light comes from outside{}",
+             regions_.count(), windows->attribute<double>("mean_window"), clusters_, error,
+             error > options_.get<double>("lb.window_tolerance")
+                 ? ", more than lb.window_tolerance: windows hold no more clusters (raise "
+                   "lb.region_clusters for larger ones)"
+                 : "")});
     return true;
   }
 
@@ -377,6 +394,8 @@ class Planner {
           TaskSpec spec = make("solve", solved(solve, r)[channel], inputs, kNoScene, 1.0);
           spec.parameters = {{"channels", channels_}, {"channel", channel}, {"bounces", bounces()}};
           spec.version = 4;
+          const double size = static_cast<double>(regions_[r].window.size()) / kWindowClusters;
+          spec.cost = 0.1 + 10.0 * size * size * size;
           regions_.place(spec, r);
           plan_.tasks.push_back(spec);
         }

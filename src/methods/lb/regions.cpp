@@ -17,6 +17,10 @@ std::size_t most_region_clusters(const OptionValues& options, std::size_t cluste
   return clusters <= kWholeClusters ? clusters : kRegionClusters;
 }
 
+std::size_t most_window_clusters(std::size_t most_region_clusters) {
+  return std::max(kWindowClusters, 3 * most_region_clusters);
+}
+
 std::vector<std::string> numbered_all(const std::string& stage,
                                       const std::vector<std::uint32_t>& clusters) {
   std::vector<std::string> ids;

@@ -10,8 +10,8 @@
 
 namespace prt::lb {
 
-/// Clusters of a window that is larger than its region. The dense system of one has some 40
-/// unknowns per cluster and takes 1 GB.
+/// Most clusters of a window, but where regions were asked to be large. The dense system of one has
+/// some 40 unknowns per cluster in the first round of snapshots and takes 1 GB.
 inline constexpr std::size_t kWindowClusters = 192;
 
 /// Up to so many clusters, whose system takes 2 GB, a scene is solved for as a whole ...
@@ -21,6 +21,9 @@ inline constexpr std::size_t kRegionClusters = 64;
 
 /// Most clusters of a region in a scene of so many. Photons need no system: one region.
 std::size_t most_region_clusters(const OptionValues& options, std::size_t clusters);
+
+/// Most clusters of the windows of such regions: room for as many again on either side.
+std::size_t most_window_clusters(std::size_t most_region_clusters);
 
 /// Names "stage/0007" of some clusters' tasks.
 std::vector<std::string> numbered_all(const std::string& stage,

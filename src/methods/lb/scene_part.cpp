@@ -146,7 +146,7 @@ std::vector<Region> get_regions(const Artifact& artifact) {
   return regions;
 }
 
-Artifact put_regions(const std::vector<Region>& regions) {
+Artifact put_regions(const std::vector<Region>& regions, double gain) {
   Lists clusters;
   Lists windows;
   std::vector<double> left_out;
@@ -162,11 +162,13 @@ Artifact put_regions(const std::vector<Region>& regions) {
   Artifact out;
   put_lists(out, "regions", clusters, "clusters that are solved for together");
   put_lists(out, "windows", windows, "clusters whose light counts in a region");
-  out.put<double>("left_out", left_out, {left_out.size()}, "1",
-                  "most of a uniformly lit region's indirect light that is not in its window");
+  out.put<double>(
+      "left_out", left_out, {left_out.size()}, "1",
+      "share of a uniformly lit region's indirect light that comes from outside its window");
   out.attributes = {{"regions", regions.size()},
                     {"largest_window", largest},
                     {"mean_window", total / static_cast<double>(regions.size())},
+                    {"gain", gain},
                     {"error", *std::ranges::max_element(left_out)}};
   return out;
 }
@@ -266,10 +268,13 @@ Artifact run_windows(const TaskSpec& task, const TaskReader& reader) {
     areas[c] = cluster_areas(samples, c).cast<double>().sum();
   }
   const auto& p = task.parameters;
+  const VectorD albedo = cluster_albedo(samples, reader.input(1)->matrix("albedo"), areas);
+  const VectorD lit = uniform_irradiance(exchange, albedo);
   return put_regions(
       find_windows(make_regions(cluster_centres(samples), p["region_clusters"].get<std::size_t>()),
-                   exchange, cluster_albedo(samples, reader.input(1)->matrix("albedo"), areas),
-                   areas, {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()}));
+                   exchange, albedo, areas, lit,
+                   {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()}),
+      lit.maxCoeff());
 }
 
 }  // namespace prt::lb

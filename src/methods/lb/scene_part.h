@@ -60,8 +60,8 @@ std::shared_ptr<const ScenePart> shared_region(const TaskSpec& task, const TaskR
 
 /// Regions of an artifact of the kind "windows". Throws UnsoundData where they do not fit together.
 std::vector<Region> get_regions(const Artifact& artifact);
-/// Such an artifact.
-Artifact put_regions(const std::vector<Region>& regions);
+/// Such an artifact. `gain`: largest of uniform_irradiance (domains/windows.h).
+Artifact put_regions(const std::vector<Region>& regions, double gain);
 
 /// samples, rays/c → which clusters fill how much of a cluster's hemispheres.
 Artifact run_reach(const TaskSpec& task, const TaskReader& reader);

@@ -1,6 +1,7 @@
 // The tasks of the method, by kind. Inputs are listed in the order each expects them. In a scene of
-// several regions "windows" follows (scene_part.h), and where inputs say samples/* or the like, the
-// clusters are those of the region's window.
+// several regions "windows" follows (scene_part.h), and where inputs say snapshot/* or the like,
+// the clusters are those of the region's window; for light_functions they are the region's own, and
+// light_basis reads the lights of all regions in whose windows its cluster is.
 #pragma once
 
 #include "base/error.h"

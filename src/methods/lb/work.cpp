@@ -54,7 +54,8 @@ class Work {
         most_region_clusters(options, static_cast<std::size_t>(std::ceil(clusters_)));
     regions_ = std::ceil(clusters_ / static_cast<double>(most));
     // How much the clusters see of each other is not known yet: as much as a window may hold.
-    const double window = regions_ > 1.0 ? std::min<double>(clusters_, kWindowClusters) : clusters_;
+    const double window =
+        regions_ > 1.0 ? std::min<double>(clusters_, most_window_clusters(most)) : clusters_;
     functions_ = light_rank_ * window;
     unknowns_ = rank_ * window;
   }
