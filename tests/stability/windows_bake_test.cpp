@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "methods/lb/scene_part.h"
 #include "stability/small_bake.h"
 #include "statistical/test_scenes.h"
@@ -119,6 +120,20 @@ TEST_F(InRegions, OneBounceAndTwoAreThoseOfTheWhole) {
               0.01)
         << bounces;
   }
+}
+
+TEST(RegionsOfAWhiteRoom, AreRefusedOrBounded) {
+  const auto white = [] {
+    Scene scene;
+    test::add_box(scene, {0, 0, 0}, {2, 2, 2}, test::add_material(scene, Vec3f::Ones()));
+    test::finish(scene);
+    return scene;
+  };
+  OptionValues options = in_regions(exact_options(), 6, 0.01);
+  EXPECT_THROW(SmallBake(white(), options), UserError);
+  options.set("transport.bounces", 3);
+  const SmallBake bounded(white(), options);
+  EXPECT_TRUE(bounded.light(Vec3f(1.1F, 1.2F, 0.7F)).indirect.allFinite());
 }
 
 TEST(SealedRooms, ExchangeNothingInRegions) {
