@@ -40,7 +40,7 @@ WorldCamera parse_camera(const std::string& text) {
   std::array<double, 7> n{};
   bool sound = split(text, ',', n);
   for (const double v : n) sound = sound && std::isfinite(static_cast<float>(v));
-  const WorldCamera camera{
+  WorldCamera camera{
       {n[0], n[1], n[2]}, {n[3], n[4], n[5]}, static_cast<float>(n[6]) * kPi / 180.0F};
   if (!sound || !(n[6] > 0.0 && n[6] < 170.0) || camera.eye == camera.target) {
     throw UserError(

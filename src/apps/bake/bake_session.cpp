@@ -144,6 +144,7 @@ class Session {
       std::fputs(prediction_text(*prediction, threads, ranks_.size()).c_str(), stdout);
       if (!by_levels()) return;
       std::vector<double> seconds;
+      seconds.reserve(static_cast<std::size_t>(config_.method->effort_levels()));
       for (int level = 0; level < config_.method->effort_levels(); ++level) {
         seconds.push_back(expected_seconds(program_, *config_.method, prediction->made,
                                            options_at(*config_.method, config_.options, level),
