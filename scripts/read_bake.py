@@ -76,9 +76,16 @@ def depth_buffer(bake, cluster, sample):
 def show_depth_buffer(bake):
     if "rays" not in bake or "visibility" not in bake:
         return
-    cast, again = depth_buffer(bake, cluster=0, sample=0)
+    # A cluster that sees everything up to its walls has no depths.
+    with_depths = [c for c, name in enumerate(sorted(bake["visibility"]))
+                   if len(quantised(bake[f"visibility/{name}"], "mean"))]
+    if not with_depths:
+        print("\nno cluster needs depth buffers: all see everything up to their walls")
+        return
+    cluster = with_depths[0]
+    cast, again = depth_buffer(bake, cluster, sample=0)
     rms = np.sqrt(np.mean((again - cast) ** 2))
-    print(f"\ncluster 0, sample 0: {len(cast)} distances, median {np.median(cast):.3f} m, "
+    print(f"\ncluster {cluster}, sample 0: {len(cast)} distances, median {np.median(cast):.3f} m, "
           f"rms error of the reconstruction {rms:.3f} m")
 
 

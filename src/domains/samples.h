@@ -12,7 +12,7 @@ namespace prt {
 /// Samples sorted by cluster: cluster c owns the contiguous range [cluster_begin[c],
 /// cluster_begin[c+1]).
 struct SampleSet {
-  std::vector<Vec3f> positions;  ///< world space, m
+  std::vector<Vec3f> positions;  ///< m, about Scene::origin
   std::vector<Vec3f> normals;    ///< unit geometric normal on the side the sample stands for
   std::vector<Vec3f> tangents;   ///< unit, orthogonal to the normal, smooth within a cluster
   std::vector<float> areas;      ///< area of the sample's cell, m²; its weight in inner products

@@ -1,4 +1,4 @@
-// Meshes of a glTF file as world-space triangles. Internal to scene/.
+// Meshes of a glTF file as triangles about Scene::origin. Internal to scene/.
 #pragma once
 
 #include <vector>
