@@ -8,10 +8,8 @@ namespace prt {
 namespace {
 
 constexpr int kMostBounces = 200;
-// Uniformly lit clusters are summed up until a bounce adds no more than this to the brightest, or
-// until they are so much brighter than direct light makes them that nobody solves for them.
+// Uniformly lit clusters are summed up until a bounce adds no more than this to the brightest.
 constexpr double kLeastChange = 1e-5;
-constexpr double kMostGain = 1e4;
 // The series ends where what it adds is this share of the tolerance, and parts of it below the
 // second number are dropped on the way: so small beside the tolerance that sums of thousands of
 // them do not matter.

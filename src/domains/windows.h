@@ -41,8 +41,12 @@ struct WindowLimits {
   std::size_t most_clusters = 192;  ///< of a window that is larger than its region, even so
 };
 
+/// Where light makes a scene so many times as bright as direct light alone, it is as good as never
+/// lost.
+inline constexpr double kMostGain = 1e4;
+
 /// Irradiance of every cluster where direct light is 1 everywhere, all bounces summed up:
-/// E = 1 + T E. Ends near 10,000, for where light is as good as never lost.
+/// E = 1 + T E. Ends at kMostGain.
 VectorD uniform_irradiance(const ClusterExchange& exchange, const VectorD& albedo);
 
 /// The smallest windows that leave out at most the tolerance: clusters by how much of the region's

@@ -137,17 +137,30 @@ TEST(RegionsOfAWhiteRoom, AreRefusedOrBounded) {
 }
 
 TEST(SealedRooms, ExchangeNothingInRegions) {
-  const SmallBake bake(rooms(2, 0.0F), in_regions(exact_options(), 8, 0.0));
-  // Sampling particles reach the one room alone; the other has samples from points on its area.
+  OptionValues options = in_regions(exact_options(), 6, 0.0);
+  options.set("samples.start", {{1.0, 1.0, 1.0}, {6.0, 1.0, 1.0}});
+  // So far apart that no cluster has samples of both.
+  Scene scene = rooms(1, 0.0F);
+  test::add_box(scene, {5, 0, 0}, {7, 2, 2}, 0);
+  test::finish(scene);
+  const SmallBake bake(std::move(scene), options);
   const auto room = [&](std::uint32_t cluster) {
-    return bake.samples().positions[bake.samples().cluster_begin[cluster]].x() > 2.0F;
+    return bake.samples().positions[bake.samples().cluster_begin[cluster]].x() > 3.0F;
   };
+  std::size_t of_one_room = 0;
+  std::size_t in_second = 0;
   for (const Region& region : regions_of(bake)) {
+    const auto second = std::ranges::count_if(region.clusters, room);
+    in_second += static_cast<std::size_t>(second);
+    of_one_room += second == 0 || second == std::ssize(region.clusters) ? 1 : 0;
     for (const std::uint32_t c : region.window) {
       EXPECT_TRUE(std::ranges::any_of(region.clusters,
                                       [&](std::uint32_t own) { return room(own) == room(c); }));
     }
   }
+  EXPECT_GT(in_second, 0U);
+  EXPECT_LT(in_second, bake.samples().clusters());
+  EXPECT_GT(of_one_room, 0U) << "regions of both rooms say nothing";
 }
 
 }  // namespace

@@ -31,9 +31,6 @@ constexpr double kNearRays = 6.0;
 constexpr std::size_t kLeastLights = kLightsPerTask;
 // From so many bounces on all of them cost no more: the same reduced system is solved.
 constexpr int kMostCounted = 2;
-// As many times as bright as direct light alone makes it, a scene is not solved for: see
-// reduced_system.cpp. A window of one lets light out, and would not notice.
-constexpr double kMostGain = 1e4;
 // Colours closer than this are grey: one channel serves all three.
 constexpr double kGreySpread = 1e-6;
 
@@ -159,6 +156,7 @@ class Planner {
     const auto windows = in_.result(kWindowsTask);
     if (!windows) return false;
     regions_ = Regions(get_regions(*windows), clusters_);
+    // A window of such a scene lets light out and would not notice.
     if (bounces() < 0 && windows->attribute<double>("gain") >= kMostGain) {
       throw UserError(
           "scene: light is as good as never lost: some albedo is too near 1 in a closed space; "
