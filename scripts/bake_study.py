@@ -6,7 +6,7 @@ import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAMS = os.environ.get("PRT_BIN", os.path.join(ROOT, "build/release/bin"))
-JUDGES = ("reference", "evaluate")  # stages that measure the error and make nothing
+JUDGES = ("reference", "compare", "evaluate")  # stages that measure the error and make nothing
 MOST = {"lb.visibility_rank": 1000, "lb.light_rank": 1000, "rays.directions": 8064}
 LEAST = {"lb.near_share": 1e-4, "compression.tolerance": 1e-6, "transport.tolerance": 1e-6}
 

@@ -11,7 +11,15 @@ namespace prt {
 
 namespace {
 
+constexpr const char* kCompareKind = "compare";
 constexpr const char* kEvaluateKind = "evaluate";
+
+/// A package and its player, for all comparisons of a process.
+struct Played {
+  explicit Played(Package made) : package(std::move(made)), player(package, {.threads = 1}) {}
+  Package package;
+  Evaluator player;
+};
 
 class BakeEvaluator : public BakeErrorMeter {
  public:
@@ -22,7 +30,7 @@ class BakeEvaluator : public BakeErrorMeter {
                                 method_plan.complete ? &method_plan.results : nullptr);
     // The package that is judged depends on options, too, not on artifacts alone.
     for (TaskSpec& task : plan.tasks) {
-      if (task.kind == kEvaluateKind) task.parameters["options"] = options_of_results(options);
+      if (task.kind == kCompareKind) task.parameters["options"] = options_of_results(options);
     }
     return plan;
   }
@@ -31,20 +39,10 @@ class BakeEvaluator : public BakeErrorMeter {
 
   [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader, const Method& method,
                              const OptionValues& options) const override {
-    if (task.kind != kEvaluateKind) return run_reference(task, reader);
-    std::map<std::string, std::size_t> places;
-    const std::size_t first = task.parameters.at("references");
-    for (std::size_t i = first; i < task.inputs.size(); ++i) {
-      places[task.inputs[i].substr(level_of(task.inputs[i]).size())] = i;
+    if (task.kind == kCompareKind) {
+      return run_compare(task, reader, played(task, reader, method, options)->player);
     }
-    const auto result = [&](const std::string& id) -> std::shared_ptr<const Artifact> {
-      const auto place = places.find(id);
-      return place == places.end() ? nullptr : reader.input(place->second);
-    };
-    // Those of a level of effort, where there are levels, and not those configured.
-    OptionValues level = options;
-    for (const auto& [key, value] : task.parameters.at("options").items()) level.set(key, value);
-    return run_evaluate(task, reader, method.assemble(result, level));
+    return task.kind == kEvaluateKind ? run_evaluate(task, reader) : run_reference(task, reader);
   }
 
   [[nodiscard]] std::vector<StageWork> work(const BakeSize& size,
@@ -54,6 +52,31 @@ class BakeEvaluator : public BakeErrorMeter {
 
   [[nodiscard]] nlohmann::json error(const Artifact& result, const Vec3d& origin) const override {
     return summarise(result, origin);
+  }
+
+ private:
+  /// What the task's package plays; made once for all tasks that judge the same one.
+  static std::shared_ptr<const Played> played(const TaskSpec& task, const TaskReader& reader,
+                                              const Method& method, const OptionValues& options) {
+    const std::size_t first = task.parameters.at("references");
+    const auto& chosen = task.parameters.at("options");
+    Hasher name;
+    name.add(chosen.dump());
+    std::map<std::string, std::size_t> places;
+    for (std::size_t i = first; i < task.inputs.size(); ++i) {
+      places[task.inputs[i].substr(level_of(task.inputs[i]).size())] = i;
+      name.add(reader.input_content(i).hex());
+    }
+    return reader.memo().get<Played>("played " + name.digest().hex(), [&] {
+      const auto result = [&](const std::string& id) -> std::shared_ptr<const Artifact> {
+        const auto place = places.find(id);
+        return place == places.end() ? nullptr : reader.input(place->second);
+      };
+      // Those of a level of effort, where there are levels, and not those configured.
+      OptionValues level = options;
+      for (const auto& [key, value] : chosen.items()) level.set(key, value);
+      return std::make_shared<Played>(method.assemble(result, level));
+    });
   }
 };
 

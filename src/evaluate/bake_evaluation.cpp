@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "evaluate/compare.h"
+#include "evaluate/light_errors_io.h"
 #include "evaluate/reference.h"
 #include "methods/common/inputs.h"
 #include "transport/free_space.h"
@@ -14,7 +14,10 @@ namespace prt {
 namespace {
 
 constexpr const char* kReference = "reference";
+constexpr const char* kCompare = "compare";
 constexpr const char* kEvaluate = "evaluate";
+/// Each task reads the whole package, so more tasks than this would mostly read.
+constexpr std::size_t kMostComparisons = 8;
 /// Seconds per path on one core, measured on the gallery; only orders the tasks.
 constexpr double kSecondsPerPath = 3e-6;
 
@@ -120,15 +123,33 @@ TaskSpec reference_task(const OptionValues& options, const std::string& samples_
   return spec;
 }
 
-TaskSpec evaluate_task(std::size_t lights, const std::vector<std::string>& package_results) {
+/// Compares what the package plays under the test lights [first, end).
+TaskSpec compare_task(std::size_t number, std::size_t first, std::size_t end,
+                      const std::vector<std::string>& package_results) {
   TaskSpec spec;
-  spec.id = kEvaluate;
-  spec.kind = kEvaluate;
-  spec.version = 4;
-  spec.parameters = {{"references", lights}};
-  for (std::size_t k = 0; k < lights; ++k) spec.inputs.push_back(numbered(kReference, k));
+  spec.id = numbered(kCompare, number);
+  spec.kind = kCompare;
+  spec.parameters = {{"references", end - first}};
+  for (std::size_t k = first; k < end; ++k) spec.inputs.push_back(numbered(kReference, k));
   spec.inputs.insert(spec.inputs.end(), package_results.begin(), package_results.end());
+  spec.cost = 0.3 + 0.03 * static_cast<double>(end - first);
   return spec;
+}
+
+/// The comparisons and the task that pools them.
+void add_comparisons(std::size_t lights, const std::vector<std::string>& package_results,
+                     Plan& plan) {
+  TaskSpec all;
+  all.id = kEvaluate;
+  all.kind = kEvaluate;
+  all.version = 5;
+  const std::size_t tasks = std::min(lights, kMostComparisons);
+  for (std::size_t k = 0; k < tasks; ++k) {
+    plan.tasks.push_back(
+        compare_task(k, k * lights / tasks, (k + 1) * lights / tasks, package_results));
+    all.inputs.push_back(plan.tasks.back().id);
+  }
+  plan.tasks.push_back(all);
 }
 
 }  // namespace
@@ -147,7 +168,7 @@ Plan plan_evaluation(const OptionValues& options, const std::string& samples_tas
     plan.tasks.push_back(reference_task(options, samples_task, k));
   }
   if (package_results == nullptr) return plan;
-  plan.tasks.push_back(evaluate_task(lights, *package_results));
+  add_comparisons(lights, *package_results, plan);
   plan.results = {kEvaluate};
   return plan;
 }
@@ -159,10 +180,12 @@ std::vector<StageWork> evaluation_work(const BakeSize& size, const OptionValues&
   // Two sets of points with 25 floats each; direct light at every sample.
   const double bytes = lights * (2.0 * 4.0 * 25.0 * points + 4.0 * size.samples);
   return {{kReference, lights, 0, paths, bytes, 64.0 * size.samples},
-          {kEvaluate, 1, 0, lights * size.samples, 5000, 400.0 * size.samples}};
+          {kCompare, std::min<double>(lights, kMostComparisons), 0, lights * size.samples,
+           200.0 * lights * (1.0 + size.clusters), 400.0 * size.samples},
+          {kEvaluate, 1, 0, lights, 5000, 400.0 * lights * size.clusters}};
 }
 
-std::vector<std::string> evaluation_kinds() { return {kReference, kEvaluate}; }
+std::vector<std::string> evaluation_kinds() { return {kReference, kCompare, kEvaluate}; }
 
 Artifact run_reference(const TaskSpec& task, const TaskReader& reader) {
   const auto shared = shared_samples(reader, 0);
@@ -178,24 +201,34 @@ Artifact run_reference(const TaskSpec& task, const TaskReader& reader) {
                                      [&] { check_stop(reader); }));
 }
 
-Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader, const Package& package) {
-  const Evaluator player(package, {.threads = 1});
+Artifact run_compare(const TaskSpec& task, const TaskReader& reader, const Evaluator& player) {
+  const std::size_t samples = player.package().samples.size();
   std::vector<LightErrors> lights;
   for (std::size_t k = 0; k < task.parameters["references"].get<std::size_t>(); ++k) {
     check_stop(reader);
     const LightReference reference = from_artifact(*reader.input(k));
-    if (reference.direct.size() != package.samples.size()) {
+    if (reference.direct.size() != samples) {
       throw UnsoundData("a reference has another number of samples");
     }
     for (const std::uint32_t s : reference.sample_index) {
-      if (s >= package.samples.size())
-        throw UnsoundData("a reference names a sample that is not there");
+      if (s >= samples) throw UnsoundData("a reference names a sample that is not there");
     }
     lights.push_back(compare(player, reference));
     if (lights.back().not_finite() > 0) {
-      throw UnsoundData(
-          fmt::format("{} values of test light {} are not finite", lights.back().not_finite(), k));
+      throw UnsoundData(fmt::format("{} values of {} are not finite", lights.back().not_finite(),
+                                    task.inputs[k]));
     }
+  }
+  Artifact out;
+  put_light_errors(out, lights);
+  return out;
+}
+
+Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader) {
+  std::vector<LightErrors> lights;
+  for (std::size_t k = 0; k < task.inputs.size(); ++k) {
+    const auto part = get_light_errors(*reader.input(k));
+    lights.insert(lights.end(), part.begin(), part.end());
   }
   Artifact out;
   std::vector<float> single;

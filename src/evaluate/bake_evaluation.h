@@ -1,12 +1,13 @@
 // The bake measures its own error in ordinary tasks: one path-traced reference per test light
-// ("reference/0003", needs only the samples) and one comparison ("evaluate", needs the package's
-// parts).
+// ("reference/0003", needs only the samples), comparisons of some of them each ("compare/0000",
+// need the package's parts) and the figures of all ("evaluate").
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "methods/method.h"
+#include "player/evaluator.h"
 
 namespace prt {
 
@@ -17,7 +18,7 @@ namespace prt {
 Plan plan_evaluation(const OptionValues& options, const std::string& samples_task,
                      const std::vector<std::string>* package_results);
 
-/// Kinds of task planned above: "reference", "evaluate".
+/// Kinds of task planned above: "reference", "compare", "evaluate".
 std::vector<std::string> evaluation_kinds();
 
 /// What these tasks amount to in a bake of that size.
@@ -27,11 +28,14 @@ std::vector<StageWork> evaluation_work(const BakeSize& size, const OptionValues&
 /// asked to stop, UserError where no light fits in.
 Artifact run_reference(const TaskSpec& task, const TaskReader& reader);
 
-/// Runs the "evaluate" task. Inputs: first the references, parameters["references"] of them, then
-/// package_results in their order. `package` is what Method::assemble makes of those results (the
-/// scene is not needed). The artifact's attribute "error" is the JSON of summarise(). Throws
-/// UnsoundData when a value is not finite.
-Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader, const Package& package);
+/// Runs a "compare" task. Inputs: first the references, parameters["references"] of them, then
+/// package_results in their order. `player` plays what Method::assemble makes of those results (the
+/// scene is not needed). Throws UnsoundData when a value is not finite.
+Artifact run_compare(const TaskSpec& task, const TaskReader& reader, const Evaluator& player);
+
+/// Runs the "evaluate" task: inputs are the comparisons. The artifact's attribute "error" is the
+/// JSON of summarise().
+Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader);
 
 /// Error JSON as in prt_eval --json, for Package::error and the report: the keys of design §3 but
 /// for package_bytes, bake_seconds and play_ms. `evaluate` is the artifact of the "evaluate" task,

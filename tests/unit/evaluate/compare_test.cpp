@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "evaluate/error_picture.h"
+#include "evaluate/light_errors_io.h"
 #include "scene/embree/embree_ray_caster.h"
 #include "transport/free_space.h"
 #include "unit/evaluate/box_room.h"
@@ -112,6 +114,20 @@ TEST_F(Compare, NamesTheWorstLightAndTheWorstCluster) {
   EXPECT_TRUE(exact["worst_light"].is_null() ||
               exact["worst_light"]["rel_rmse"].get<double>() < kRounding);
   EXPECT_TRUE(error_report({})["direct"]["worst_cluster"].is_null());
+}
+
+TEST_F(Compare, WhatLightsToldIsStoredAsItIs) {
+  std::vector<LightErrors> lights = {compare(player_, trace(0, 1)), compare(player_, trace(1, 1))};
+  lights[1].unreached = 0.25;
+  lights[0].visibility.wrong = 0.125;
+  lights[1].direct_by_cluster[0].squared_error = 9.0;
+  Artifact stored;
+  put_light_errors(stored, lights);
+  EXPECT_EQ(error_report(get_light_errors(stored)), error_report(lights));
+  EXPECT_EQ(get_light_errors(stored)[1].direct_by_cluster.size(), package_.samples.clusters());
+
+  stored.put<double>("unreached", std::vector<double>{0.0}, {1}, "1", "of one light alone");
+  EXPECT_THROW((void)get_light_errors(stored), UnsoundData);
 }
 
 TEST_F(Compare, PlacesTheWorstLightsInTheWorld) {
