@@ -149,7 +149,7 @@ std::vector<OptionSpec> shared_options() {
        lb + "§4.1"},
       {"rays.directions",
        Type::kInteger,
-       2016,
+       1008,
        35,
        32767,
        {},

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kGoal = 0.12;
+constexpr double kGoal = 0.07;
 
 json error_of(double rel_rmse, double standard_error, double light_error, double visibility) {
   return {

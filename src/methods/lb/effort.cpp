@@ -13,12 +13,12 @@ struct Effort {
 };
 
 // Samples and light functions carry most of the error of indirect light, ranks and directions that
-// of shadows (results/error.md); each level refines what the one before is bound by.
+// of shadows (results/error.md, results/sweeps.md); each level refines what bounds the one before.
 constexpr std::array<Effort, 6> kEfforts{{
-    {6000, 1008, 25, 6, 0.006, 0.02, 0.04, 8},
-    {12000, 2016, 50, 10, 0.003, 0.01, 0.02, 8},
-    {24000, 2016, 50, 15, 0.003, 0.01, 0.02, 8},
-    {48000, 2016, 100, 20, 0.003, 0.005, 0.01, 16},
+    {6000, 1008, 32, 10, 0.006, 0.02, 0.04, 8},
+    {12000, 1008, 64, 20, 0.003, 0.01, 0.02, 8},
+    {24000, 1008, 64, 20, 0.003, 0.01, 0.02, 8},
+    {48000, 2016, 100, 20, 0.003, 0.005, 0.01, 8},
     {90000, 4032, 200, 20, 0.002, 0.005, 0.01, 16},
     {180000, 4032, 200, 25, 0.002, 0.003, 0.005, 16},
 }};

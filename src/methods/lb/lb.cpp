@@ -55,7 +55,7 @@ class LeonhardtBohn : public Method {
     return {
         {"lb.visibility_rank",
          Type::kInteger,
-         50,
+         64,
          1,
          1000,
          {},
@@ -82,7 +82,7 @@ class LeonhardtBohn : public Method {
          "LB §4.3.1"},
         {"lb.light_rank",
          Type::kInteger,
-         10,
+         20,
          1,
          1000,
          {},

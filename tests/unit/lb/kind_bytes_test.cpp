@@ -83,8 +83,10 @@ class TinyBake : public test::InProcessBake {
   void evaluate(const TaskSpec& task) {
     const auto find = [this](const std::string& id) { return result(id); };
     run_task(task, [&](const TaskReader& reader) {
-      if (task.kind != "evaluate") return run_reference(task, reader);
-      return run_evaluate(task, reader, lb_method().assemble(find, options_));
+      if (task.kind == "reference") return run_reference(task, reader);
+      if (task.kind == "evaluate") return run_evaluate(task, reader);
+      const Package package = lb_method().assemble(find, options_);
+      return run_compare(task, reader, Evaluator(package, {.threads = 1}));
     });
   }
 
