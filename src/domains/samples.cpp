@@ -103,19 +103,22 @@ void SampleGrid::scan(std::size_t s, const Vec3f& p, const Vec3f& n, float min_c
                       Nearest& best) const {
   for (std::uint32_t e = begin_[s]; e < begin_[s + 1]; ++e) {
     const Entry& entry = entries_[e];
-    const float d = (entry.position - p).squaredNorm();
+    const Vec3f offset = entry.position - p;
+    if (offset.squaredNorm() > best.squared_radius) continue;
+    const float d = squared_distance_off(offset, n);
     if (d > best.squared_distance || (d == best.squared_distance && entry.index >= best.index)) {
       continue;
     }
     if (entry.normal.dot(n) < min_cosine) continue;
-    best = {d, entry.index};
+    best.squared_distance = d;
+    best.index = entry.index;
   }
 }
 
 std::uint32_t SampleGrid::nearest(const Vec3f& p, const Vec3f& n, float radius,
                                   float min_cosine) const {
   if (entries_.empty()) return kNone;
-  Nearest best{radius * radius, kNone};
+  Nearest best{radius * radius};
   if (radius * inverse_cell_ > 1.0F) {
     // Wider than a cell: rare, so simply every cell of the box.
     visit_cells(p, radius, [&](std::size_t s, const auto&) { scan(s, p, n, min_cosine, best); });
@@ -129,12 +132,12 @@ std::uint32_t SampleGrid::nearest(const Vec3f& p, const Vec3f& n, float radius,
   const AxisGaps gap_y(p.y(), middle.y, cell);
   const AxisGaps gap_z(p.z(), middle.z, cell);
   for (int z = 0; z < 3; ++z) {
-    if (gap_z.squared[z] > best.squared_distance) continue;
+    if (gap_z.squared[z] > best.reach()) continue;
     for (int y = 0; y < 3; ++y) {
       const float gap_zy = gap_z.squared[z] + gap_y.squared[y];
-      if (gap_zy > best.squared_distance) continue;
+      if (gap_zy > best.reach()) continue;
       for (int x = 0; x < 3; ++x) {
-        if (gap_zy + gap_x.squared[x] > best.squared_distance || (x == 1 && y == 1 && z == 1)) {
+        if (gap_zy + gap_x.squared[x] > best.reach() || (x == 1 && y == 1 && z == 1)) {
           continue;
         }
         scan(slot(middle.x + x - 1, middle.y + y - 1, middle.z + z - 1), p, n, min_cosine, best);

@@ -1,6 +1,7 @@
 // Sample points: the domain on which light is represented (Leonhardt & Bohn, §4.1).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -35,6 +36,18 @@ struct SampleSet {
 /// Two surface points may stand for each other when their normals agree to within 60°.
 inline constexpr float kCompatibleCosine = 0.5F;
 
+/// How much more an offset along a surface's normal counts than one within the surface when the
+/// nearest sample is looked for. A thin wall is near what faces it, and yet another surface:
+/// counted alike, hits on a wall of few samples took the light of the room behind it.
+inline constexpr float kOffPlane = 4.0F;
+
+/// Squared distance by which samples are nearest to a point of a surface with unit normal n:
+/// `offset` is sample − point, m.
+inline float squared_distance_off(const Vec3f& offset, const Vec3f& n) {
+  const float height = n.dot(offset);
+  return offset.squaredNorm() + (kOffPlane * kOffPlane - 1.0F) * height * height;
+}
+
 /// Uniform grid over sample positions for neighbour queries. Results are independent of insertion
 /// order: ties go to the lowest index. Holds copies of what it needs.
 class SampleGrid {
@@ -43,7 +56,8 @@ class SampleGrid {
   /// `cell` is the side of a grid cell, m: best the largest common query radius.
   SampleGrid(std::span<const Vec3f> positions, std::span<const Vec3f> normals, float cell);
 
-  /// The sample nearest to p with n·n_s >= min_cosine within `radius`, or kNone.
+  /// The sample nearest to p by squared_distance_off() with n·n_s >= min_cosine, of those within
+  /// `radius` all around, or kNone.
   [[nodiscard]] std::uint32_t nearest(const Vec3f& p, const Vec3f& n, float radius,
                                       float min_cosine = kCompatibleCosine) const;
   /// All samples within radius (any normal), appended to out in ascending index order per cell.
@@ -60,8 +74,10 @@ class SampleGrid {
   };
   [[nodiscard]] std::size_t slot(int x, int y, int z) const;
   struct Nearest {
-    float squared_distance;
-    std::uint32_t index;
+    float squared_radius;  ///< all around
+    float squared_distance = kInfinity;
+    std::uint32_t index = kNone;
+    [[nodiscard]] float reach() const { return std::min(squared_radius, squared_distance); }
   };
   void scan(std::size_t slot, const Vec3f& p, const Vec3f& n, float min_cosine,
             Nearest& best) const;

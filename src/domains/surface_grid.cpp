@@ -29,14 +29,19 @@ std::pair<Vec3f, Vec3f> edges(const Scene& scene, std::uint32_t t) {
   return {scene.positions[vertex[1]] - origin, scene.positions[vertex[2]] - origin};
 }
 
-/// Leaves out samples that another one beats at all corners, and so everywhere between, by more
-/// than rounding: |p - s|² - |p - t|² is linear in p. `slack` in metres.
-void drop_beaten(const std::vector<Vec3f>& positions, const std::array<Vec3f, 4>& corners,
-                 float slack, std::vector<std::uint32_t>& near) {
+/// Leaves out samples that another one beats at all corners of a texel with that normal, and so
+/// everywhere between, by more than rounding: the difference of two squared distances is linear in
+/// the point. `slack` in metres.
+void drop_beaten(const std::vector<Vec3f>& positions, const Vec3f& normal,
+                 const std::array<Vec3f, 4>& corners, float slack,
+                 std::vector<std::uint32_t>& near) {
   const auto beats = [&](std::uint32_t t, std::uint32_t s) {
-    const float margin = 2.0F * slack * (positions[t] - positions[s]).norm();
+    // No gradient of that difference is longer.
+    const float margin =
+        2.0F * slack * kOffPlane * kOffPlane * (positions[t] - positions[s]).norm();
     return std::all_of(corners.begin(), corners.end(), [&](const Vec3f& p) {
-      return (p - positions[t]).squaredNorm() + margin < (p - positions[s]).squaredNorm();
+      return squared_distance_off(positions[t] - p, normal) + margin <
+             squared_distance_off(positions[s] - p, normal);
     });
   };
   std::vector<std::uint32_t> kept;
@@ -102,14 +107,14 @@ void SurfaceGrid::list_samples(const Scene& scene, const std::vector<Vec3f>& pos
         const std::uint32_t nearest = half <= reach ? grid.nearest(middle, normal, look) : kNone;
         if (nearest != kNone) {
           // Nothing farther than this can be nearest anywhere in the texel.
-          const float limit =
-              std::min((positions[nearest] - middle).norm() + 2.0F * half, reach + half);
+          const float off = std::sqrt(squared_distance_off(positions[nearest] - middle, normal));
+          const float limit = std::min(off + 2.0F * half, reach + half);
           near.clear();
           grid.within(middle, normal, limit, near);
           if (near.size() <= kLongestList) {
             const Vec3f to_corner = 0.5F * (step_u + step_v);
             const Vec3f to_next = 0.5F * (step_u - step_v);
-            drop_beaten(positions,
+            drop_beaten(positions, normal,
                         {Vec3f(middle + to_corner), Vec3f(middle - to_corner),
                          Vec3f(middle + to_next), Vec3f(middle - to_next)},
                         slack, near);
@@ -139,17 +144,19 @@ std::optional<std::uint32_t> SurfaceGrid::nearest(const SurfacePoint& point, flo
   const std::uint32_t begin = begin_[texel];
   const std::uint32_t end = begin_[texel + 1];
   if (begin == end) return std::nullopt;
-  float best = radius * radius;
-  std::uint32_t found = kNone;
+  float best = kInfinity;
+  std::uint32_t found = begin;
   for (std::uint32_t k = begin; k < end; ++k) {
-    const float d = (listed_[k].position - point.position).squaredNorm();
-    // As in the grid: a sample at just the radius counts.
-    if (d < best || (found == kNone && d == best)) {
+    const float d = squared_distance_off(listed_[k].position - point.position, point.normal);
+    if (d < best) {
       best = d;
-      found = listed_[k].sample;
+      found = k;
     }
   }
-  return found;
+  // Beyond the radius, samples that this one beats may be within.
+  const Entry& nearest = listed_[found];
+  if ((nearest.position - point.position).squaredNorm() > radius * radius) return std::nullopt;
+  return nearest.sample;
 }
 
 }  // namespace prt

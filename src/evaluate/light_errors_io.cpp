@@ -20,9 +20,9 @@ struct Fields<IrradianceSums> {
 
 template <>
 struct Fields<VisibilitySums> {
-  static constexpr std::array kMembers = {
-      &VisibilitySums::wrong, &VisibilitySums::soft, &VisibilitySums::weight,
-      &VisibilitySums::irradiance_soft, &VisibilitySums::irradiance};
+  static constexpr std::array kMembers = {&VisibilitySums::wrong, &VisibilitySums::soft,
+                                          &VisibilitySums::weight, &VisibilitySums::irradiance_soft,
+                                          &VisibilitySums::irradiance};
 };
 
 /// Numbers per struct: its fields and the count of what was not finite.
@@ -54,9 +54,8 @@ void put_clusters(Artifact& out, const std::string& name, std::span<const LightE
   for (const LightErrors& light : lights) {
     for (const IrradianceSums& sums : light.*part) append(values, sums);
   }
-  out.put<double>(name, values,
-                  {lights.size(), (lights[0].*part).size(), kWidth<IrradianceSums>}, "(W/m^2)^2",
-                  "sums of squares by test light and cluster (evaluate/metrics.h)");
+  out.put<double>(name, values, {lights.size(), (lights[0].*part).size(), kWidth<IrradianceSums>},
+                  "(W/m^2)^2", "sums of squares by test light and cluster (evaluate/metrics.h)");
 }
 
 /// `name`, whose length must be `count`.
@@ -78,8 +77,7 @@ void put_light_errors(Artifact& out, std::span<const LightErrors> lights) {
     unreached.push_back(light.unreached);
   }
   out.put("light_position", positions, "m", "test lights");
-  out.put<double>("sums", sums, {lights.size(), kParts.size(), kWidth<IrradianceSums>},
-                  "(W/m^2)^2",
+  out.put<double>("sums", sums, {lights.size(), kParts.size(), kWidth<IrradianceSums>}, "(W/m^2)^2",
                   "sums of squares by test light: direct and indirect at samples, the same on the "
                   "surface, indirect at samples from exact direct light (evaluate/metrics.h)");
   put_clusters(out, "direct_by_cluster", lights, &LightErrors::direct_by_cluster);

@@ -12,8 +12,9 @@ namespace {
 constexpr float kReach = 1.25F;
 // Cells much wider than the reach: few are looked into, and a scan in memory order is cheap.
 constexpr float kCell = 3.25F;
-// Beyond this many radii there is no telling which sample would stand for a point.
-constexpr float kFar = 4.0F;
+// Beyond this many radii within its plane, or one off it, there is no telling which sample would
+// stand for a point.
+constexpr float kFar = kOffPlane;
 // Points between fetching and reading: enough to cover a cache miss.
 constexpr std::size_t kAhead = 16;
 
@@ -35,11 +36,17 @@ std::uint32_t SenderSearch::nearest(const SurfacePoint& point, float radius) con
   return known ? *known : grid_.nearest(point.position, point.normal, radius);
 }
 
+bool SenderSearch::is_far(std::uint32_t sample, const SurfacePoint& point) const {
+  const Vec3f offset = samples_->positions[sample] - point.position;
+  const float limit = kFar * reach_;
+  return squared_distance_off(offset, point.normal) > limit * limit;
+}
+
 std::uint32_t SenderSearch::find(const SurfacePoint& point) const {
   const auto near = nearest(point, kFar * reach_);
-  if (near != kNone) return near;
+  if (near != kNone && !is_far(near, point)) return near;
   const auto sample = grid_.nearest(point.position, point.normal, kFar * reach_, 0.0F);
-  if (sample == kNone) return kNone;
+  if (sample == kNone || is_far(sample, point)) return kNone;
   const bool same = scene_->triangles[samples_->triangles[sample]].surface ==
                     scene_->triangles[point.triangle].surface;
   return same ? sample : kNone;

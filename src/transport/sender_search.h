@@ -15,8 +15,9 @@ class SenderSearch {
   /// Both must outlive it.
   SenderSearch(const Scene& scene, const SampleSet& samples);
 
-  /// The nearest sample with a compatible normal; where none is near, the nearest one on the same
-  /// glTF surface within 90°; else kNone: the light that goes there is lost and counted.
+  /// The nearest sample with a compatible normal (squared_distance_off); where none is near, the
+  /// nearest one on the same glTF surface within 90°; else kNone: the light that goes there is lost
+  /// and counted.
   [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const;
 
   /// find() for each of many points: the waiting for memory overlaps.
@@ -27,6 +28,7 @@ class SenderSearch {
   [[nodiscard]] std::uint32_t find_near(const SurfacePoint& point) const;
 
  private:
+  [[nodiscard]] bool is_far(std::uint32_t sample, const SurfacePoint& point) const;
   [[nodiscard]] std::uint32_t nearest(const SurfacePoint& point, float radius) const;
 
   const Scene* scene_;

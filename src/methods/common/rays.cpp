@@ -15,6 +15,7 @@ std::size_t plan_rays(const PlanInputs& inputs, Plan& plan) {
     TaskSpec spec;
     spec.id = numbered("rays", c);
     spec.kind = "rays";
+    spec.version = 2;
     spec.inputs = {kSamplesTask};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"cluster", c}, {"directions", directions}};

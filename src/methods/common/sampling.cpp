@@ -126,7 +126,7 @@ std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
       std::clamp(area / per_point, 1000.0, static_cast<double>(kMostPoints)));
   std::vector<TaskSpec> result;
   for (std::uint64_t first = 0; first < total; first += kPointsPerTask) {
-    TaskSpec spec = task(numbered("cells", result.size()), "cells", 4);
+    TaskSpec spec = task(numbered("cells", result.size()), "cells", 5);
     spec.inputs = {"points"};
     spec.scene_parts = kGeometry;
     spec.parameters = {{"seed", inputs.options().get<std::uint64_t>("seed")},

@@ -432,7 +432,7 @@ class Planner {
       if (task.kind == "cells") inputs.push_back(task.id);
     }
     per_cluster("photons", "photons", [&](TaskSpec& spec, std::size_t) {
-      spec.version = 2;
+      spec.version = 3;
       spec.inputs = inputs;
       spec.scene_parts = kGeometry | kMaterials;
       spec.parameters["photons"] = static_cast<std::uint64_t>(std::ceil(photons));

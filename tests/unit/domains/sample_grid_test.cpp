@@ -14,11 +14,12 @@ constexpr float kCell = 0.1F;
 std::uint32_t nearest_of_all(const test::PointCloud& cloud, const Vec3f& p, const Vec3f& n,
                              float radius, float min_cosine) {
   std::uint32_t best = kNone;
-  float least = radius * radius;
+  float least = kInfinity;
   for (std::uint32_t i = 0; i < cloud.positions.size(); ++i) {
-    const float d = (cloud.positions[i] - p).squaredNorm();
-    if (cloud.normals[i].dot(n) < min_cosine || d > least || (d == least && best != kNone))
-      continue;
+    const Vec3f offset = cloud.positions[i] - p;
+    // Along the normal, four times as far.
+    const float d = (offset + 3.0F * offset.dot(n) * n).squaredNorm();
+    if (cloud.normals[i].dot(n) < min_cosine || offset.norm() > radius || d >= least) continue;
     least = d;
     best = i;
   }
@@ -98,6 +99,18 @@ TEST(SampleGrid, TiesGoToTheLowestIndexWhereverTheyLie) {
       EXPECT_EQ(partly.nearest(centre, Vec3f::UnitY(), 0.2F), dropped) << "cell " << cell;
     }
   }
+}
+
+TEST(SampleGrid, AWallOfFewSamplesDoesNotTakeThoseOfTheNextWall) {
+  // Two walls 0.4 apart that face the same way; the point lies on the first, whose only sample is
+  // farther than one of the second.
+  const std::vector<Vec3f> positions = {{0, 0, 0}, {0.8F, 0, 0.4F}};
+  const std::vector<Vec3f> normals(2, Vec3f::UnitZ());
+  const SampleGrid grid(positions, normals, 1.0F);
+  const Vec3f point(0.8F, 0, 0);
+  EXPECT_EQ(grid.nearest(point, Vec3f::UnitZ(), 1.0F), 0U);
+  // What lies beyond the radius does not count, however flat.
+  EXPECT_EQ(grid.nearest(point, Vec3f::UnitZ(), 0.5F), 1U);
 }
 
 TEST(SampleGrid, EmptyFindsNothing) {
