@@ -46,6 +46,9 @@ class Measure {
       places[k] = primitive_.position(corners[k]);
       if (!places[k].allFinite()) return;  // such a triangle is left out
     }
+    // One without area is left out, too: a forgotten point at the origin would hide that all else
+    // is far away.
+    if ((places[1] - places[0]).cross(places[2] - places[0]).isZero(0.0)) return;
     for (std::size_t k = 0; k < 3; ++k) add(corners[k], places[k]);
   }
 

@@ -136,13 +136,18 @@ TEST(FarScene, IntegersAreAsFineFarOutAsAnywhere) {
 }
 
 TEST(FarScene, OnlyTrianglesCount) {
-  // Vertices of no triangle, nodes that flatten and primitives of points lie near the origin.
+  // Vertices of no triangle, triangles without area, nodes that flatten and primitives of points
+  // lie near the origin.
   GltfWriter writer = stored_at(1e5F);
   std::vector<float> positions = kSquare;
   for (std::size_t i = 0; i < positions.size(); i += 3) positions[i] += 1e5F;
   positions.insert(positions.end(), {0, 0, 0});
   const auto more = writer.add_accessor(positions, "VEC3");
   writer.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = more;
+  std::vector<std::uint32_t> corners(testing::kSquareIndices.begin(),
+                                     testing::kSquareIndices.end());
+  corners.insert(corners.end(), {4, 4, 4});
+  writer.json["meshes"][0]["primitives"][0]["indices"] = writer.add_accessor(corners, "SCALAR");
   writer.add_node({{"mesh", 0}, {"scale", {0, 1, 1}}});
   const auto near = writer.add_accessor(kSquare, "VEC3");
   writer.add_mesh_node({{"attributes", {{"POSITION", near}}}, {"mode", 0}});
