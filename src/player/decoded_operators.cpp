@@ -73,21 +73,24 @@ MatrixF DecodedTransfer::apply(const MatrixF& coefficients,
 MatrixF DecodedNear::apply(const MatrixF& irradiance, unsigned threads) const {
   constexpr float kUnit = 1.0F / kUnitShare;
   const auto n = static_cast<std::size_t>(irradiance.rows());
-  MatrixF exitant(irradiance.rows(), 3);  // times π
+  // A colour fills a vector register: senders lie anywhere, and one load fetches all of one.
+  std::vector<Eigen::Array4f> exitant(n);  // times π and kUnit
   for (std::size_t i = 0; i < n; ++i) {
+    exitant[i].setZero();
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t channel = near_->channels == 1 ? 0 : c;
       const float albedo = kUnit * static_cast<float>(near_->albedo[i * near_->channels + channel]);
-      exitant(i, c) = albedo * irradiance(i, c);
+      exitant[i][c] = kUnit * albedo * irradiance(i, c);
     }
   }
-  MatrixF received = MatrixF::Zero(irradiance.rows(), 3);
+  MatrixF received(irradiance.rows(), 3);
   parallel_for(n, kReceiverGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) {
+      Eigen::Array4f sum = Eigen::Array4f::Zero();
       for (std::uint32_t k = near_->begin[r]; k < near_->begin[r + 1]; ++k) {
-        received.row(r) +=
-            kUnit * static_cast<float>(near_->shares[k]) * exitant.row(near_->senders[k]);
+        sum += static_cast<float>(near_->shares[k]) * exitant[near_->senders[k]];
       }
+      received.row(r) = sum.head<3>();
     }
   });
   return received;
