@@ -59,11 +59,10 @@ nlohmann::json describe(const Session& session) {
 }
 
 /// One light change, timed.
-SampleIrradiance relight(const Session& session, std::vector<double>& times) {
+void relight(const Session& session, SampleIrradiance& irradiance, std::vector<double>& times) {
   const auto start = Clock::now();
-  SampleIrradiance irradiance = session.evaluator.evaluate(session.lights);
+  session.evaluator.evaluate(session.lights, irradiance);
   times.push_back(milliseconds_since(start));
-  return irradiance;
 }
 
 /// For the given time: light changes in one half, pictures in the other.
@@ -72,8 +71,10 @@ void bench(const Session& session, nlohmann::json& report) {
   std::vector<double> play;
   std::vector<double> draw;
   auto start = Clock::now();
-  SampleIrradiance irradiance = relight(session, play);
-  while (milliseconds_since(start) < budget) irradiance = relight(session, play);
+  SampleIrradiance irradiance;
+  do {
+    relight(session, irradiance, play);
+  } while (milliseconds_since(start) < budget);
   start = Clock::now();
   do {
     const auto frame = Clock::now();
@@ -89,7 +90,8 @@ void bench(const Session& session, nlohmann::json& report) {
 
 void draw(const Session& session, nlohmann::json& report) {
   std::vector<double> times;
-  const SampleIrradiance irradiance = relight(session, times);
+  SampleIrradiance irradiance;
+  relight(session, irradiance, times);
   PictureSettings settings = session.command.picture;
   settings.samples_per_side = kKeptSamples;
   const Picture picture = render(session.evaluator, irradiance, session.camera, settings);
@@ -142,7 +144,8 @@ ExitCode run(int argc, char** argv) {
   if (!command->out.empty()) draw(session, report);
   if (!report.contains("play_ms")) {
     std::vector<double> times;
-    static_cast<void>(relight(session, times));
+    SampleIrradiance irradiance;
+    relight(session, irradiance, times);
     report["play_ms"] = times.front();
   }
   print(report, command->json);

@@ -19,8 +19,8 @@ unsigned available_cpus() {
   return static_cast<unsigned>(std::max(1, CPU_COUNT(&set)));
 }
 
-void parallel_for(std::size_t count, std::size_t grain, unsigned threads,
-                  const std::function<void(std::size_t, std::size_t)>& body) {
+void run_ranges(std::size_t count, std::size_t grain, unsigned threads,
+                const std::function<void(std::size_t, std::size_t)>& body) {
   if (count == 0) return;
   const std::size_t ranges = (count + grain - 1) / grain;
   if (threads == 0) threads = available_cpus();
@@ -39,7 +39,9 @@ void parallel_for(std::size_t count, std::size_t grain, unsigned threads,
       if (!failure) failure = std::current_exception();
     }
   };
-  {
+  if (threads == 1) {
+    work();
+  } else {
     std::vector<std::jthread> others;
     for (unsigned t = 1; t < threads; ++t) others.emplace_back(work);
     work();

@@ -1,23 +1,9 @@
 #include "player/depth_tables.h"
 
-#include <array>
-
 #include "bases/depth_basis.h"
+#include "player/dot.h"
 
 namespace prt {
-namespace {
-
-constexpr std::size_t kLanes = 8;  // floats of an AVX2 register
-
-float dot(const float* a, const float* b, std::size_t count) {
-  std::array<float, kLanes> sums{};
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += a[i + lane] * b[i + lane];
-  }
-  return ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]));
-}
-
-}  // namespace
 
 DepthTables::DepthTables(const DepthVisibility& visibility, const SampleSet& samples)
     : samples_(&samples),
@@ -25,58 +11,75 @@ DepthTables::DepthTables(const DepthVisibility& visibility, const SampleSet& sam
       bound_(visibility.bound),
       bias_(visibility.bias) {
   clusters_.reserve(visibility.clusters.size());
-  for (std::size_t c = 0; c < visibility.clusters.size(); ++c) {
-    clusters_.push_back(decode(visibility.clusters[c],
-                               static_cast<std::size_t>(directions_.count()),
-                               samples.cluster_size(c)));
+  for (const DepthBlock& block : visibility.clusters) {
+    clusters_.push_back(lay_out(block, static_cast<std::size_t>(directions_.count())));
   }
 }
 
-DepthTables::Cluster DepthTables::decode(const DepthBlock& block, std::size_t directions,
-                                         std::size_t samples) {
+DepthTables::Cluster DepthTables::lay_out(const DepthBlock& block, std::size_t directions) {
   Cluster cluster;
+  cluster.block = &block;
   cluster.only_walls = block.mean.rows == 0;
-  cluster.walls = block.walls;
   if (cluster.only_walls) return cluster;
   const MatrixF mean = block.mean.decode();
-  const MatrixF basis = block.basis.decode();
-  const MatrixF coefficients = block.coefficients.decode();
-  const auto rank = static_cast<std::size_t>(basis.rows());
-  cluster.stride = (1 + rank + kLanes - 1) / kLanes * kLanes;
-  cluster.basis.assign(directions * cluster.stride, 0.0F);
-  cluster.coefficients.assign(samples * cluster.stride, 0.0F);
-  for (std::size_t d = 0; d < directions; ++d) {
-    float* row = cluster.basis.data() + d * cluster.stride;
-    row[0] = mean(0, static_cast<Eigen::Index>(d));
+  cluster.mean.assign(mean.data(), mean.data() + mean.size());
+  const std::size_t rank = block.basis.rows;
+  cluster.stride = (rank + kLanes - 1) / kLanes * kLanes;
+  cluster.scales = block.basis.scales;
+  cluster.scales.resize(cluster.stride, 0.0F);
+  with_numbers(block.basis, [&](const auto* numbers) {
+    using Number = std::remove_cvref_t<decltype(*numbers)>;
+    std::vector<Number> basis(directions * cluster.stride, Number{0});
     for (std::size_t k = 0; k < rank; ++k) {
-      row[1 + k] = basis(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(d));
+      for (std::size_t d = 0; d < directions; ++d) {
+        basis[d * cluster.stride + k] = numbers[k * directions + d];
+      }
     }
-  }
-  for (std::size_t i = 0; i < samples; ++i) {
-    float* row = cluster.coefficients.data() + i * cluster.stride;
-    row[0] = 1.0F;
-    for (std::size_t k = 0; k < rank; ++k) {
-      row[1 + k] = coefficients(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-    }
-  }
+    cluster.basis = std::move(basis);
+  });
   return cluster;
 }
 
-float DepthTables::visibility(std::uint32_t sample, std::uint32_t cluster, const Vec3f& to_light,
-                              float distance) const {
-  const Cluster& table = clusters_[cluster];
-  const Vec3f local = samples_->frame(sample).transpose() * to_light;
-  if (table.only_walls) {
+DepthTables::View DepthTables::at(std::uint32_t sample, std::uint32_t cluster) const {
+  View view;
+  view.tables_ = this;
+  view.cluster_ = &clusters_[cluster];
+  view.to_local_ = samples_->frame(sample).transpose();
+  view.position_ = samples_->positions[sample];
+  if (view.cluster_->only_walls) return view;
+  const QuantisedMatrix& coefficients = view.cluster_->block->coefficients;
+  thread_local std::vector<float> weights;
+  weights.resize(view.cluster_->stride);
+  const std::size_t row = sample - samples_->cluster_begin[cluster];
+  const float scale = coefficients.scales[row];
+  with_numbers(coefficients, [&](const auto* numbers) {
+    const auto* own = numbers + row * coefficients.cols;
+    for (std::size_t k = 0; k < coefficients.cols; ++k) {
+      weights[k] = scale * view.cluster_->scales[k] * static_cast<float>(own[k]);
+    }
+  });
+  for (std::size_t k = coefficients.cols; k < weights.size(); ++k) weights[k] = 0.0F;
+  view.weights_ = weights.data();
+  return view;
+}
+
+float DepthTables::View::visibility(const Vec3f& to_light, float distance) const {
+  const Vec3f local = to_local_ * to_light;
+  if (cluster_->only_walls) {
     if (local.z() <= 0.0F) return 0.0F;
-    return wall_visibility(table.walls, samples_->positions[sample], to_light, distance, bound_);
+    return wall_visibility(cluster_->block->walls, position_, to_light, distance, tables_->bound_);
   }
-  const std::size_t place = sample - samples_->cluster_begin[cluster];
-  const float* coefficients = table.coefficients.data() + place * table.stride;
-  const auto depth = [&](int direction) {
-    return dot(table.basis.data() + static_cast<std::size_t>(direction) * table.stride,
-               coefficients, table.stride);
-  };
-  return depth_visibility(directions_, depth, local, distance, bound_, bias_);
+  return std::visit(
+      [&](const auto& basis) {
+        const auto depth = [&](int direction) {
+          const auto d = static_cast<std::size_t>(direction);
+          return cluster_->mean[d] +
+                 dot(basis.data() + d * cluster_->stride, weights_, cluster_->stride);
+        };
+        return depth_visibility(tables_->directions_, depth, local, distance, tables_->bound_,
+                                tables_->bias_);
+      },
+      cluster_->basis);
 }
 
 }  // namespace prt

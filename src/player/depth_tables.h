@@ -2,7 +2,7 @@
 // two contiguous rows. Internal to player/.
 #pragma once
 
-#include <Eigen/Core>
+#include <variant>
 #include <vector>
 
 #include "package/package.h"
@@ -11,27 +11,44 @@
 namespace prt {
 
 class DepthTables {
+  struct Cluster;
+
  public:
-  /// Decodes a package's depth buffers; `samples` must outlive the tables.
+  /// Lays out a package's depth buffers; both must outlive the tables.
   DepthTables(const DepthVisibility& visibility, const SampleSet& samples);
 
-  /// Share of light in [0, 1] that comes to a sample from unit direction `to_light` (world) and
-  /// `distance` (m, kInfinity from outside the scene); cluster is the sample's own.
-  [[nodiscard]] float visibility(std::uint32_t sample, std::uint32_t cluster, const Vec3f& to_light,
-                                 float distance) const;
+  /// What one sample sees. Good until the next one is asked for on the same thread.
+  class View {
+   public:
+    /// Share of light in [0, 1] that comes from unit direction `to_light` (world) and `distance`
+    /// (m, kInfinity from outside the scene).
+    [[nodiscard]] float visibility(const Vec3f& to_light, float distance) const;
+
+   private:
+    friend class DepthTables;
+    const DepthTables* tables_ = nullptr;
+    const Cluster* cluster_ = nullptr;
+    Mat3f to_local_;
+    Vec3f position_;
+    const float* weights_ = nullptr;  ///< of the basis' numbers: coefficients times their scales
+  };
+  /// `cluster` is the sample's own.
+  [[nodiscard]] View at(std::uint32_t sample, std::uint32_t cluster) const;
 
  private:
-  using Floats = std::vector<float, Eigen::aligned_allocator<float>>;
-  /// The mean is one more basis row, with coefficient 1; rows are padded with zeros to whole
-  /// vectors.
+  /// The basis' numbers as they are stored, directions × stride: rows are padded with zeros to
+  /// whole vectors.
+  using Numbers =
+      std::variant<std::vector<std::int8_t>, std::vector<std::int16_t>, std::vector<float>>;
   struct Cluster {
+    const DepthBlock* block = nullptr;
     bool only_walls = false;  ///< nothing but walls is in the way
-    MatrixF walls;            ///< w × 4
     std::size_t stride = 0;
-    Floats basis;         ///< directions × stride
-    Floats coefficients;  ///< samples of the cluster × stride
+    Numbers basis;
+    std::vector<float> mean;    ///< directions
+    std::vector<float> scales;  ///< stride: of the basis' functions
   };
-  static Cluster decode(const DepthBlock& block, std::size_t directions, std::size_t samples);
+  static Cluster lay_out(const DepthBlock& block, std::size_t directions);
 
   const SampleSet* samples_;
   HemisphereDirections directions_;

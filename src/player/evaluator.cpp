@@ -1,12 +1,11 @@
 #include "player/evaluator.h"
 
-#include <map>
 #include <optional>
 
 #include "base/parallel.h"
-#include "player/decoded_operators.h"
 #include "player/depth_tables.h"
 #include "player/light_samples.h"
+#include "player/play_program.h"
 
 namespace prt {
 namespace {
@@ -21,20 +20,6 @@ struct Arrival {
   float visibility = kUnlit;
 };
 
-/// A value of the program. Irradiance at samples (n × 3) has two parts; coefficients (K × 3) stand
-/// in `indirect` and have a layout. A part without entries is zero.
-struct Value {
-  MatrixF direct;
-  MatrixF indirect;
-  std::vector<std::uint32_t> layout;
-};
-
-MatrixF sum(const MatrixF& a, const MatrixF& b) {
-  if (a.size() == 0) return b;
-  if (b.size() == 0) return a;
-  return a + b;
-}
-
 }  // namespace
 
 struct Evaluator::Tables {
@@ -42,18 +27,19 @@ struct Evaluator::Tables {
   unsigned threads;
   std::vector<std::uint32_t> cluster_of_sample;
   std::optional<DepthTables> depths;  ///< none: no shadows
-  std::map<std::string, DecodedOperator> operators;
+  PlayProgram program;
 
   [[nodiscard]] Arrival arrival(std::uint32_t sample, const Light& light,
                                 std::span<const Vec2f> light_points) const;
-  /// Adds one light's irradiance to `direct` (n × 3) and returns its visibility at the samples.
-  std::vector<float> add_light(const Light& light, int area_samples, MatrixF& direct) const;
-  [[nodiscard]] Value apply(const DecodedOperator& op, const Value& input) const;
+  /// Adds one light's irradiance to `direct` (3 × n) and sets its visibility at the samples.
+  void add_light(const Light& light, std::span<const Vec2f> light_points, MatrixF& direct,
+                 std::vector<float>& visibility) const;
 };
 
 Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
                                    std::span<const Vec2f> light_points) const {
   Arrival at;
+  std::optional<DepthTables::View> view;  // many samples face away
   float power = 0.0F;
   float seen = 0.0F;
   for (const Vec2f& uv : light_points) {
@@ -61,9 +47,8 @@ Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
     const float cosine = samples.normals[sample].dot(incident.to_light);
     if (!(cosine > 0.0F)) continue;
     const Vec3f irradiance = cosine * incident.irradiance;
-    const float share = depths ? depths->visibility(sample, cluster_of_sample[sample],
-                                                    incident.to_light, incident.distance)
-                               : 1.0F;
+    if (depths && !view) view = depths->at(sample, cluster_of_sample[sample]);
+    const float share = view ? view->visibility(incident.to_light, incident.distance) : 1.0F;
     at.irradiance += share * irradiance;
     const float weight = irradiance.sum();
     power += weight;
@@ -75,36 +60,25 @@ Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
   return at;
 }
 
-std::vector<float> Evaluator::Tables::add_light(const Light& light, int area_samples,
-                                                MatrixF& direct) const {
-  std::vector<float> visibility(samples.size());
-  const std::vector<Vec2f> light_points = light_samples(light, area_samples);
+void Evaluator::Tables::add_light(const Light& light, std::span<const Vec2f> light_points,
+                                  MatrixF& direct, std::vector<float>& visibility) const {
+  visibility.resize(samples.size());
   parallel_for(samples.size(), kSampleGrain, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Arrival at = arrival(static_cast<std::uint32_t>(i), light, light_points);
-      direct.block<1, 3>(static_cast<Eigen::Index>(i), 0) += at.irradiance.transpose();
+      direct.col(static_cast<Eigen::Index>(i)) += at.irradiance;
       visibility[i] = at.visibility;
     }
   });
-  return visibility;
-}
-
-Value Evaluator::Tables::apply(const DecodedOperator& op, const Value& input) const {
-  const MatrixF in = sum(input.direct, input.indirect);
-  if (const auto* projection = std::get_if<DecodedProjection>(&op)) {
-    return {{}, projection->apply(in, samples, threads), projection->layout()};
-  }
-  if (const auto* near = std::get_if<DecodedNear>(&op)) return {{}, near->apply(in, threads), {}};
-  return {{}, std::get<DecodedTransfer>(op).apply(in, input.layout, samples, threads), {}};
 }
 
 Evaluator::Evaluator(const Package& package, const PlayerSettings& settings)
     : package_(package), settings_(settings), splats_(package.samples) {
-  auto tables = std::make_unique<Tables>(
-      Tables{package.samples, settings.threads, package.samples.cluster_of_sample(), {}, {}});
-  for (const auto& [name, op] : package.operators) {
-    tables->operators.emplace(name, std::visit([](const auto& o) { return decode(o); }, op));
-  }
+  auto tables = std::make_unique<Tables>(Tables{package.samples,
+                                                settings.threads,
+                                                package.samples.cluster_of_sample(),
+                                                {},
+                                                PlayProgram(package)});
   for (const ProgramStep& step : package.program) {
     const auto* direct = std::get_if<DirectLightStep>(&step);
     if (direct != nullptr && direct->shadow == DirectLightStep::Shadow::kDepth) {
@@ -116,53 +90,40 @@ Evaluator::Evaluator(const Package& package, const PlayerSettings& settings)
 
 Evaluator::~Evaluator() = default;
 
-void Evaluator::run_program(const std::function<MatrixF()>& take, SampleIrradiance& result) const {
-  const MatrixF zero = MatrixF::Zero(static_cast<Eigen::Index>(package_.samples.size()), 3);
-  std::map<std::string, Value> values;
-  const auto apply = [&](const ApplyStep& step) {
-    values[step.output] = tables_->apply(tables_->operators.at(step.op), values.at(step.input));
-  };
-  const auto add = [&](const AddStep& step) {
-    const Value& a = values.at(step.a);
-    const Value& b = values.at(step.b);
-    values[step.output] = {sum(a.direct, b.direct), sum(a.indirect, b.indirect), a.layout};
-  };
-  for (const ProgramStep& step : package_.program) {
-    if (const auto* light = std::get_if<DirectLightStep>(&step))
-      values[light->output] = {take(), {}, {}};
-    if (const auto* application = std::get_if<ApplyStep>(&step)) apply(*application);
-    if (const auto* addition = std::get_if<AddStep>(&step)) add(*addition);
-    if (const auto* reconstruct = std::get_if<ReconstructStep>(&step)) {
-      const Value& value = values.at(reconstruct->input);
-      result.direct = sum(zero, value.direct);
-      result.indirect = sum(zero, value.indirect);
-    }
-  }
-}
-
 SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
   SampleIrradiance result;
-  result.lights.assign(lights.begin(), lights.end());
-  const auto take = [&] {
-    MatrixF direct = MatrixF::Zero(static_cast<Eigen::Index>(package_.samples.size()), 3);
-    for (const Light& light : lights) {
-      result.visibility.push_back(tables_->add_light(light, settings_.area_samples, direct));
-    }
-    return direct;
-  };
-  run_program(take, result);
+  evaluate(lights, result);
   return result;
+}
+
+void Evaluator::evaluate(std::span<const Light> lights, SampleIrradiance& result) const {
+  result.lights.assign(lights.begin(), lights.end());
+  result.visibility.resize(lights.size());
+  result.light_points.resize(lights.size());
+  result.direct_light.setZero(3, static_cast<Eigen::Index>(package_.samples.size()));
+  for (std::size_t l = 0; l < lights.size(); ++l) {
+    light_samples(lights[l], settings_.area_samples, result.light_points[l]);
+    tables_->add_light(lights[l], result.light_points[l], result.direct_light,
+                       result.visibility[l]);
+  }
+  tables_->program.run(result.direct_light, settings_.threads, result.work, result.direct,
+                       result.indirect);
 }
 
 MatrixF Evaluator::respond(const MatrixF& direct) const {
   SampleIrradiance result;
-  run_program([&] { return direct; }, result);
+  tables_->program.run(direct.transpose(), settings_.threads, result.work, result.direct,
+                       result.indirect);
   return result.indirect;
 }
 
 std::vector<float> Evaluator::visibility(const Light& light) const {
-  MatrixF unused = MatrixF::Zero(static_cast<Eigen::Index>(package_.samples.size()), 3);
-  return tables_->add_light(light, settings_.area_samples, unused);
+  MatrixF unused = MatrixF::Zero(3, static_cast<Eigen::Index>(package_.samples.size()));
+  std::vector<Vec2f> light_points;
+  light_samples(light, settings_.area_samples, light_points);
+  std::vector<float> visibility;
+  tables_->add_light(light, light_points, unused, visibility);
+  return visibility;
 }
 
 namespace {
@@ -187,8 +148,7 @@ Vec3f interpolate(std::span<const SplatWeight> weights, const MatrixF& irradianc
 }
 
 PlayedIrradiance play(const SampleIrradiance& irradiance, const PlayPoint& point,
-                      std::span<const SplatWeight> weights,
-                      const std::vector<std::vector<Vec2f>>& light_points) {
+                      std::span<const SplatWeight> weights) {
   PlayedIrradiance played;
   if (weights.empty()) return played;
   played.reached = true;
@@ -197,8 +157,9 @@ PlayedIrradiance play(const SampleIrradiance& irradiance, const PlayPoint& point
     const float visibility = interpolate(weights, irradiance.visibility[l]);
     if (l == 0) played.visibility = visibility;
     if (!(visibility > 0.0F)) continue;
-    played.direct += visibility * unshadowed_irradiance(irradiance.lights[l], light_points[l],
-                                                        point.position, point.shading_normal);
+    played.direct +=
+        visibility * unshadowed_irradiance(irradiance.lights[l], irradiance.light_points[l],
+                                           point.position, point.shading_normal);
   }
   return played;
 }
@@ -207,17 +168,13 @@ PlayedIrradiance play(const SampleIrradiance& irradiance, const PlayPoint& point
 
 std::vector<PlayedIrradiance> Evaluator::reconstruct(const SampleIrradiance& irradiance,
                                                      std::span<const PlayPoint> points) const {
-  std::vector<std::vector<Vec2f>> light_points;
-  for (const Light& light : irradiance.lights) {
-    light_points.push_back(light_samples(light, settings_.area_samples));
-  }
   std::vector<PlayedIrradiance> played(points.size());
   parallel_for(points.size(), kPointGrain, settings_.threads,
                [&](std::size_t begin, std::size_t end) {
                  std::vector<SplatWeight> weights;
                  for (std::size_t i = begin; i < end; ++i) {
                    splats_.weights_at(points[i].position, points[i].normal, weights);
-                   played[i] = play(irradiance, points[i], weights, light_points);
+                   played[i] = play(irradiance, points[i], weights);
                  }
                });
   return played;

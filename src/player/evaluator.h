@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,6 +30,11 @@ struct SampleIrradiance {
   MatrixF indirect;  ///< n × 3: all that the program adds to direct light
   /// Per light, n entries: share of its unshadowed irradiance that arrives, in [0, 1], or kUnlit.
   std::vector<std::vector<float>> visibility;
+
+  // The evaluator's own, kept so that the next light change allocates nothing.
+  std::vector<std::vector<Vec2f>> light_points;  ///< places on each light that shine
+  MatrixF direct_light;                          ///< 3 × n, before the program
+  std::vector<MatrixF> work;
 };
 
 /// A point of a surface to light.
@@ -61,6 +65,8 @@ class Evaluator {
   /// Runs the program. Twice the intensity gives exactly twice the irradiance, no light exactly
   /// zero.
   [[nodiscard]] SampleIrradiance evaluate(std::span<const Light> lights) const;
+  /// The same into a result of before: with as many lights and one thread nothing is allocated.
+  void evaluate(std::span<const Light> lights, SampleIrradiance& result) const;
 
   /// What the program makes of direct irradiance that is given instead of played: n × 3 in,
   /// indirect irradiance n × 3 out, W/m². It tells errors of direct light from those of transfer.
@@ -80,8 +86,6 @@ class Evaluator {
 
  private:
   struct Tables;
-  /// Fills in direct and indirect; `take` gives the irradiance of the program's light step.
-  void run_program(const std::function<MatrixF()>& take, SampleIrradiance& result) const;
 
   const Package& package_;
   PlayerSettings settings_;

@@ -17,11 +17,13 @@ float radical_inverse(std::uint32_t i) {
 
 }  // namespace
 
-std::vector<Vec2f> light_samples(const Light& light, int count) {
-  if (is_punctual(light) || count <= 1) return {Vec2f(0.5F, 0.5F)};
+void light_samples(const Light& light, int count, std::vector<Vec2f>& samples) {
+  samples.clear();
+  if (is_punctual(light) || count <= 1) {
+    samples.emplace_back(0.5F, 0.5F);
+    return;
+  }
   const int side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));
-  std::vector<Vec2f> samples;
-  samples.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     if (side * side == count) {
       samples.emplace_back((static_cast<float>(i / side) + 0.5F) / static_cast<float>(side),
@@ -31,6 +33,11 @@ std::vector<Vec2f> light_samples(const Light& light, int count) {
                            radical_inverse(static_cast<std::uint32_t>(i)));
     }
   }
+}
+
+std::vector<Vec2f> light_samples(const Light& light, int count) {
+  std::vector<Vec2f> samples;
+  light_samples(light, count, samples);
   return samples;
 }
 

@@ -1,0 +1,61 @@
+// A package's program made ready to run again and again: spaces are buffers, steps calls in order,
+// and what a step leaves unchanged is not copied. Internal to player/.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "package/package.h"
+#include "player/play_operators.h"
+
+namespace prt {
+
+class PlayProgram {
+ public:
+  /// Keeps references to the package's samples and operators. Expects what validate() lets
+  /// through.
+  explicit PlayProgram(const Package& package);
+
+  /// Runs the steps after the light step on direct irradiance at the samples (3 × n): `direct` and
+  /// `indirect` (n × 3) are what is reconstructed. `work` holds the program's own values between
+  /// steps; given again, nothing is allocated.
+  void run(const MatrixF& direct_light, unsigned threads, std::vector<MatrixF>& work,
+           MatrixF& direct, MatrixF& indirect) const;
+
+ private:
+  static constexpr int kNothing = -1;
+  /// Irradiance in two parts: so many times direct light, and a buffer. Coefficients are a buffer
+  /// with a layout.
+  struct Value {
+    float direct_share = 0.0F;
+    int rest = kNothing;
+    const std::vector<std::uint32_t>* layout = nullptr;
+  };
+  enum class Kind { kProject, kTransfer, kNear, kAdd, kAddDirect };
+  struct Step {
+    Kind kind = Kind::kAdd;
+    const PlayOperator* op = nullptr;
+    int a = kNothing;  ///< buffers
+    int b = kNothing;
+    int output = kNothing;
+    int scratch = kNothing;
+    float direct_share = 0.0F;
+    const std::vector<std::uint32_t>* layout = nullptr;
+  };
+  int new_buffer() { return buffers_++; }
+  /// The value in one buffer; kNothing stands for direct light itself.
+  int whole(const Value& value);
+  Value apply(const PlayOperator& op, const Value& input);
+  Value add(const Value& a, const Value& b);
+  void run(const Step& step, const MatrixF& direct_light, unsigned threads,
+           std::vector<MatrixF>& work) const;
+
+  const SampleSet& samples_;
+  std::map<std::string, PlayOperator> operators_;
+  std::vector<Step> steps_;
+  int buffers_ = 0;
+  Value result_;
+};
+
+}  // namespace prt
