@@ -243,9 +243,9 @@ Artifact run_thin(const TaskSpec& task, const TaskReader& reader) {
   const auto t = p["tile"].get<std::size_t>();
   const auto halo = p["halo"].get<float>();
   const bool is_known = p.contains("spacing");
-  const RadiusRange range =
-      is_known ? RadiusRange{p["spacing"].get<float>(), p["spacing"].get<float>()}
-               : guess_of(*reader.input(0)).range;
+  const RadiusRange range = is_known
+                                ? RadiusRange{p["spacing"].get<float>(), p["spacing"].get<float>()}
+                                : guess_of(*reader.input(0)).range;
   TileCandidates tile = read_tile(task, reader, is_known ? 0 : 1, [&](const Vec3f& position) {
     return tiles->distance(t, position) <= halo;
   });
@@ -342,8 +342,8 @@ Artifact run_points(const TaskSpec& task, const TaskReader& reader) {
         "z] "
         "from which the scene is seen");
   }
-  const ClusteredSamples clustered = cluster_samples(
-      kept_samples(thinned), task.parameters["cluster_size"].get<std::size_t>());
+  const ClusteredSamples clustered =
+      cluster_samples(kept_samples(thinned), task.parameters["cluster_size"].get<std::size_t>());
   Artifact out;
   put_samples(out, clustered.samples);
   out.put<std::uint32_t>("root", clustered.roots, {clustered.roots.size()}, "1",
@@ -355,7 +355,8 @@ Artifact run_points(const TaskSpec& task, const TaskReader& reader) {
   return out;
 }
 
-// ---- planning ------------------------------------------------------------------------------------
+// ---- planning
+// ------------------------------------------------------------------------------------
 
 /// Plans the tasks of one scene.
 class ThinningPlanner {

@@ -1,5 +1,5 @@
-// From candidates to points: in one task, or where candidates are many in tiles of space, so that no
-// task reads or thins all of them.
+// From candidates to points: in one task, or where candidates are many in tiles of space, so that
+// no task reads or thins all of them.
 //
 //   candidates ─► tiles (a group of candidate tasks × a group of tiles) ─► highest (a tile each)
 //       ─► spacing ─► thin (a tile each) ─► points

@@ -127,8 +127,7 @@ TEST(ThinningPieces, TilesThatSeeAFewRadiiAheadLeaveLittle) {
   }
   const auto kept = thin(view(cloud), kRadius, kCompatibleCosine).size();
   const auto left_at = [&](float halo, float low) {
-    return static_cast<double>(
-               left_of(cloud, 4, halo * kRadius, {low * kRadius, kRadius}).size()) /
+    return static_cast<double>(left_of(cloud, 4, halo * kRadius, {low * kRadius, kRadius}).size()) /
            static_cast<double>(kept);
   };
   ASSERT_GT(cloud.positions.size(), 25 * kept);
@@ -151,9 +150,8 @@ TEST(ThinningPieces, TheSearchForTheRadiusIsThatOfAllCandidates) {
         if (cloud.priorities[i] > std::uint64_t{9} << 60) highest.push_back(i);
       }
       ASSERT_GT(highest.size(), cloud.positions.size() / 16);
-      RadiusGuess guess =
-          guess_radius(view(part_of(cloud, highest)), cloud.positions.size(), (high - low).norm(),
-                       count, kCompatibleCosine);
+      RadiusGuess guess = guess_radius(view(part_of(cloud, highest)), cloud.positions.size(),
+                                       (high - low).norm(), count, kCompatibleCosine);
       guess.range = {0.5F * guess.first, 1.5F * guess.first};
       const auto left = left_of(cloud, 5, 4.0F * guess.range.high, guess.range);
       EXPECT_LT(left.size(), cloud.positions.size());

@@ -119,8 +119,7 @@ TEST(TilesOfAScene, AtAGivenSpacingLeavesLittleMoreThanThePoints) {
   EXPECT_GT(tiled.thin_tasks, 1U);
   EXPECT_EQ(tiled.spacing, nullptr);
   expect_same(*whole.points, *tiled.points);
-  EXPECT_LT(static_cast<double>(tiled.left),
-            1.5 * tiled.points->attribute<double>("samples"));
+  EXPECT_LT(static_cast<double>(tiled.left), 1.5 * tiled.points->attribute<double>("samples"));
 }
 
 }  // namespace
