@@ -157,14 +157,17 @@ std::vector<Candidate> by_priority(const Candidates& candidates) {
 /// next time: mostly that one stays again, and the search around is spared.
 class Thinning {
  public:
-  /// `pool`: highest priority first; must outlive it.
-  Thinning(std::span<const Candidate> pool, float min_cosine)
-      : pool_(pool), min_cosine_(min_cosine), gave_way_to_(pool.size(), kNone) {}
+  /// `pool`: highest priority first; must outlive it. `expected`: about so many stay.
+  Thinning(std::span<const Candidate> pool, std::size_t expected, float min_cosine)
+      : pool_(pool),
+        expected_(std::min(pool.size(), expected)),
+        min_cosine_(min_cosine),
+        gave_way_to_(pool.size(), kNone) {}
 
   std::vector<std::uint32_t> at(float radius) {
     std::vector<std::uint32_t> kept;
     std::vector<std::uint8_t> stays(pool_.size(), 0);
-    GrowingGrid grid(pool_.size() / 16, radius);
+    GrowingGrid grid(2 * expected_, radius);
     for (std::uint32_t k = 0; k < pool_.size(); ++k) {
       fetch(k + kAhead);
       const Candidate& c = pool_[k];
@@ -198,6 +201,7 @@ class Thinning {
   }
 
   std::span<const Candidate> pool_;
+  std::size_t expected_;
   float min_cosine_;
   std::vector<std::uint32_t> gave_way_to_;  // places in the pool; compatible ones
 };
@@ -229,7 +233,7 @@ std::optional<ThinnedTo> search(std::span<const Candidate> pool, const Search& w
   float high = kInfinity;
   ThinnedTo best{radius, {}};
   double best_off = 1e30;
-  Thinning thinning(pool, wanted.min_cosine);
+  Thinning thinning(pool, wanted.count, wanted.min_cosine);
   for (int i = 0; i < kMostTries; ++i) {
     if (!wanted.range.contains(radius)) return std::nullopt;
     auto kept = thinning.at(radius);
@@ -286,7 +290,7 @@ float extrapolated_radius(std::span<const Candidate> highest, std::size_t candid
 
 std::vector<std::uint32_t> thin(const Candidates& candidates, float radius, float min_cosine) {
   const auto order = by_priority(candidates);
-  return Thinning(order, min_cosine).at(radius);
+  return Thinning(order, order.size() / 8, min_cosine).at(radius);
 }
 
 ThinnedTo thin_to_count(const Candidates& candidates, std::size_t count, float min_cosine) {

@@ -1,6 +1,7 @@
 // Points are the same whether one task thins all candidates or many thin those of their tiles.
 #include <gtest/gtest.h>
 
+#include "base/error.h"
 #include "scene/load.h"
 #include "support/in_process_bake.h"
 #include "support/partial_bake.h"
@@ -120,6 +121,15 @@ TEST(TilesOfAScene, AtAGivenSpacingLeavesLittleMoreThanThePoints) {
   EXPECT_EQ(tiled.spacing, nullptr);
   expect_same(*whole.points, *tiled.points);
   EXPECT_LT(static_cast<double>(tiled.left), 1.5 * tiled.points->attribute<double>("samples"));
+}
+
+TEST(TilesOfAScene, NothingMetIsAUsersError) {
+  const Scene scene = scene_named("closed_box");
+  for (const char* key : {"samples.count", "samples.spacing"}) {
+    OptionValues options = options_for(key, key == std::string("samples.count") ? kSamples : 0.03);
+    options.set("samples.start", {1e6, 1e6, 1e6});
+    EXPECT_THROW((void)bake_points(scene, options, {30000, 2, 3}), UserError) << key;
+  }
 }
 
 }  // namespace
