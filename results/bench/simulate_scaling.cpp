@@ -197,8 +197,7 @@ void print_growth(const CityFacts& facts) {
 /// Single changes to the city's bake, and those together that belong together.
 std::vector<Change> city_changes(std::size_t regions) {
   Change all{.name = "city-all",
-             .parts = {{"points", regions}, {"solve", 4}, {"evaluate", regions}},
-             .search_by_region = true,
+             .parts = {{"solve", 4}, {"evaluate", regions}},
              .places_by_region = true,
              .scene_share = 0.1,
              .package_share = 1.0 / static_cast<double>(regions)};
@@ -206,9 +205,8 @@ std::vector<Change> city_changes(std::size_t regions) {
   slow.name = "city-all-slow-disk";
   slow.bandwidth_share = 0.1;
   return {all,
-          {.name = "city-points", .parts = {{"points", regions}}},
           {.name = "city-solve", .parts = {{"solve", 4}}},
-          {.name = "city-search", .search_by_region = true},
+          {.name = "city-search-whole", .search_whole = true},
           {.name = "city-places", .places_by_region = true},
           {.name = "city-scene", .scene_share = 0.1},
           {.name = "city-package",

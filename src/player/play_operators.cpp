@@ -21,7 +21,7 @@ PlayProjection::PlayProjection(const ClusterProjection& projection)
     : projection_(&projection), layout_(projection.coefficient_begin()) {}
 
 void PlayProjection::apply(const MatrixF& irradiance, const SampleSet& samples, unsigned threads,
-                              MatrixF& coefficients) const {
+                           MatrixF& coefficients) const {
   coefficients.resize(3, layout_.back());
   const auto& blocks = projection_->blocks;
   const auto stride = static_cast<std::size_t>(irradiance.cols());
@@ -44,8 +44,8 @@ void PlayProjection::apply(const MatrixF& irradiance, const SampleSet& samples, 
 }
 
 void PlayTransfer::reduce(const ReceiverTransfer& receiver, const MatrixF& coefficients,
-                             const std::vector<std::uint32_t>& layout,
-                             std::vector<float>& reduced) const {
+                          const std::vector<std::uint32_t>& layout,
+                          std::vector<float>& reduced) const {
   const QuantisedMatrix& right = receiver.right;
   const std::size_t m = right.cols / transfer_->channels;
   thread_local std::vector<float> sent;  // by senders, of one channel
@@ -68,8 +68,7 @@ void PlayTransfer::reduce(const ReceiverTransfer& receiver, const MatrixF& coeff
 }
 
 void PlayTransfer::apply(const MatrixF& coefficients, const std::vector<std::uint32_t>& layout,
-                            const SampleSet& samples, unsigned threads,
-                            MatrixF& irradiance) const {
+                         const SampleSet& samples, unsigned threads, MatrixF& irradiance) const {
   irradiance.resize(3, static_cast<Eigen::Index>(samples.size()));
   const auto& receivers = transfer_->receivers;
   parallel_for(receivers.size(), kClusterGrain, threads, [&](std::size_t begin, std::size_t end) {
@@ -100,7 +99,7 @@ void PlayTransfer::apply(const MatrixF& coefficients, const std::vector<std::uin
 }
 
 void PlayNear::apply(const MatrixF& irradiance, unsigned threads, MatrixF& exitant,
-                        MatrixF& received) const {
+                     MatrixF& received) const {
   constexpr float kUnit = 1.0F / kUnitShare;
   const Eigen::Index n = irradiance.cols();
   exitant.resize(n, 4);
@@ -144,9 +143,7 @@ void PlayNear::apply(const MatrixF& irradiance, unsigned threads, MatrixF& exita
                });
 }
 
-PlayOperator playable(const ClusterProjection& projection) {
-  return PlayProjection(projection);
-}
+PlayOperator playable(const ClusterProjection& projection) { return PlayProjection(projection); }
 PlayOperator playable(const ClusterTransfer& transfer) { return PlayTransfer(transfer); }
 PlayOperator playable(const NearTransfer& near) { return PlayNear(near); }
 

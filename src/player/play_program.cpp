@@ -78,8 +78,7 @@ void PlayProgram::run(const Step& step, const MatrixF& direct_light, unsigned th
     case Kind::kProject:
       return std::get<PlayProjection>(*step.op).apply(input, samples_, threads, output);
     case Kind::kTransfer:
-      return std::get<PlayTransfer>(*step.op)
-          .apply(input, *step.layout, samples_, threads, output);
+      return std::get<PlayTransfer>(*step.op).apply(input, *step.layout, samples_, threads, output);
     case Kind::kNear:
       return std::get<PlayNear>(*step.op).apply(input, threads, buffer(step.scratch), output);
     case Kind::kAdd:

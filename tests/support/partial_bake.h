@@ -12,8 +12,12 @@
 namespace prt::test {
 
 /// All stages up to the hemispherical rays.
-inline const std::set<std::string> kSamplingAndRays = {"start",   "candidates", "points", "cells",
-                                                       "samples", "albedo",     "rays"};
+inline const std::set<std::string> kSamplingAndRays = [] {
+  const auto sampling = sampling_kinds();
+  std::set<std::string> kinds(sampling.begin(), sampling.end());
+  kinds.insert("rays");
+  return kinds;
+}();
 
 /// Runs the tasks of these kinds as far as their plan goes.
 inline void run_kinds(InProcessBake& bake, const Method& method,

@@ -132,7 +132,10 @@ class Builder {
     Load load = cost_(task, size_of(task));
     TaskSpec spec = task;
     spec.inputs.clear();
+    // Candidates are read only where thinning in tiles does not do.
+    const bool has_tiles = task.kind == "points" && task.parameters.contains("tiles");
     for (const std::string& id : task.inputs) {
+      if (has_tiles && id.starts_with("candidates/")) continue;
       const auto several = in_parts_.find(id);
       if (several == in_parts_.end()) {
         spec.inputs.push_back(id);

@@ -10,7 +10,7 @@ struct RankSetUp {
   double area = 0.0;  ///< of all triangles, m²
   double samples = 0.0;
   double caster_seconds = 0.0;  ///< building the ray caster, CPU
-  double search_seconds = 0.0;  ///< building the neighbour search of all samples, CPU
+  double search_seconds = 0.0;  ///< of the neighbour search where rays hit everything, CPU
 };
 
 /// Makes both for the scene and samples of a package, and looks at the clock.

@@ -24,7 +24,7 @@ struct Change {
   std::map<std::string, std::size_t> parts = {};  ///< GraphSettings::parts
   bool even_clusters = false;                     ///< all of the mean size
   double search_share = 1.0;                      ///< of today's neighbour search, per rank
-  bool search_by_region = false;  ///< one for each window that a rank has tasks of, of that size
+  bool search_whole = false;      ///< made for all of the scene by every rank, as it once was
   bool places_by_region = false;  ///< a region's tasks run on one rank unless somebody would wait
   bool keeps_rays = false;        ///< whoever reads rays has them in memory
   bool forgets = false;           ///< a rank keeps nothing from task to task

@@ -7,8 +7,6 @@
 
 #include "base/hash.h"
 #include "base/random.h"
-#include "domains/clusters.h"
-#include "domains/thinning.h"
 #include "methods/common/inputs.h"
 #include "store/samples_io.h"
 #include "transport/area_points.h"
@@ -54,6 +52,24 @@ std::size_t wanted_samples(const PlanInputs& inputs) {
   }
   return static_cast<std::size_t>(
       std::clamp(kSamplesPerSquareRadius * 2.0 * area / (spacing * spacing), 1.0, 2e7));
+}
+
+double expected_candidates(double samples) {
+  return (kCandidatesPerSample + kAreaPointsPerSample / 2.0) * samples;
+}
+
+ThinningSize thinning_size(const PlanInputs& inputs) {
+  ThinningSize size;
+  const auto samples = static_cast<double>(wanted_samples(inputs));
+  size.candidates = expected_candidates(samples);
+  if (inputs.options().is_set("samples.spacing")) {
+    size.spacing = inputs.options().get<float>("samples.spacing");
+  } else {
+    // Were both sides of all surfaces within reach.
+    const double area = 2.0 * cumulative_areas(inputs.scene()).back();
+    size.spacing = static_cast<float>(std::sqrt(kSamplesPerSquareRadius * area / samples));
+  }
+  return size;
 }
 
 /// samples.start is a place in the world, or several.
@@ -102,21 +118,6 @@ std::vector<TaskSpec> candidate_tasks(const PlanInputs& inputs) {
     result.push_back(spec);
   }
   return result;
-}
-
-TaskSpec points_task(const PlanInputs& inputs, const std::vector<TaskSpec>& candidates) {
-  TaskSpec spec = task("points", "points", 2);
-  for (const auto& c : candidates) spec.inputs.push_back(c.id);
-  spec.scene_parts = kGeometry;
-  const auto& options = inputs.options();
-  spec.parameters = {{"seed", options.get<std::uint64_t>("seed")},
-                     {"cluster_size", options.get<std::size_t>("samples.cluster_size")}};
-  if (options.is_set("samples.spacing")) {
-    spec.parameters["spacing"] = options.get<double>("samples.spacing");
-  } else {
-    spec.parameters["count"] = options.get<std::size_t>("samples.count");
-  }
-  return spec;
 }
 
 std::vector<TaskSpec> cell_tasks(const PlanInputs& inputs, double spacing) {
@@ -184,77 +185,6 @@ Artifact run_candidates(const TaskSpec& task, const TaskReader& reader) {
   out.put("position", points.positions, "m", "candidate positions");
   out.put("normal", points.normals, "1", "unit geometric normals on the side hit");
   out.put<std::uint32_t>("triangle", points.triangles, {points.size()}, "1", "triangle hit");
-  return out;
-}
-
-/// Curvature of a triangle, 1/m: the fastest turn of the shading normal along an edge.
-float triangle_curvature(const Scene& scene, std::uint32_t triangle) {
-  const auto& v = scene.triangles[triangle].vertex;
-  float curvature = 0.0F;
-  for (int k = 0; k < 3; ++k) {
-    const auto a = v[k];
-    const auto b = v[(k + 1) % 3];
-    const float length = (scene.positions[a] - scene.positions[b]).norm();
-    const float turn = (scene.normals[a] - scene.normals[b]).norm();
-    if (length > 0.0F) curvature = std::max(curvature, turn / length);
-  }
-  return curvature;
-}
-
-SurfacePoints all_candidates(const TaskSpec& task, const TaskReader& reader) {
-  SurfacePoints all;
-  for (std::size_t i = 0; i < task.inputs.size(); ++i) {
-    const auto part = reader.input(i);
-    all.append({part->points("position"), part->points("normal"),
-                part->vector<std::uint32_t>("triangle")});
-  }
-  return all;
-}
-
-Artifact run_points(const TaskSpec& task, const TaskReader& reader) {
-  const Scene& scene = reader.scene();
-  const SurfacePoints all = all_candidates(task, reader);
-  if (all.size() == 0) {
-    throw UserError(
-        "samples.start: no particle from the start point met a surface; give a start point [x, y, "
-        "z] "
-        "from which the scene is seen");
-  }
-  const std::uint64_t stream = stream_key(task.parameters["seed"].get<std::uint64_t>(), "thinning");
-  std::vector<float> curvatures;
-  std::vector<std::uint64_t> priorities;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    curvatures.push_back(triangle_curvature(scene, all.triangles[i]));
-    Random random(stream, i);
-    priorities.push_back(std::uint64_t{random.bits()} << 32 | random.bits());
-  }
-  const Candidates candidates{all.positions, all.normals, curvatures, priorities};
-  ThinnedTo thinned;
-  if (task.parameters.contains("spacing")) {
-    thinned.radius = task.parameters["spacing"].get<float>();
-    thinned.kept = thin(candidates, thinned.radius, kCompatibleCosine);
-  } else {
-    thinned =
-        thin_to_count(candidates, task.parameters["count"].get<std::size_t>(), kCompatibleCosine);
-  }
-  LooseSamples loose;
-  for (const auto i : thinned.kept) {
-    loose.positions.push_back(all.positions[i]);
-    loose.normals.push_back(all.normals[i]);
-    loose.triangles.push_back(all.triangles[i]);
-    loose.radii.push_back(candidate_radius(thinned.radius, curvatures[i]));
-    loose.priorities.push_back(priorities[i]);
-  }
-  const ClusteredSamples clustered =
-      cluster_samples(loose, task.parameters["cluster_size"].get<std::size_t>());
-  Artifact out;
-  put_samples(out, clustered.samples);
-  out.put<std::uint32_t>("root", clustered.roots, {clustered.roots.size()}, "1",
-                         "the sample that is each cluster's root point");
-  out.attributes["samples"] = clustered.samples.size();
-  out.attributes["clusters"] = clustered.samples.clusters();
-  out.attributes["spacing"] = thinned.radius;
-  out.attributes["candidates"] = all.size();
   return out;
 }
 
@@ -342,11 +272,11 @@ Artifact run_albedo(const TaskSpec& task, const TaskReader& reader) {
 
 }  // namespace
 
-bool plan_sampling(const PlanInputs& inputs, Plan& plan) {
+bool plan_sampling(const PlanInputs& inputs, Plan& plan, const ThinningSplit& split) {
   plan.tasks.push_back(start_task(inputs));
   const auto candidates = candidate_tasks(inputs);
   plan.tasks.insert(plan.tasks.end(), candidates.begin(), candidates.end());
-  plan.tasks.push_back(points_task(inputs, candidates));
+  plan_points(inputs, candidates, thinning_size(inputs), split, plan);
   const auto points = inputs.result("points");
   if (!points) return false;
   const auto cells = cell_tasks(inputs, points->attribute<double>("spacing"));
@@ -366,9 +296,16 @@ bool plan_sampling(const PlanInputs& inputs, Plan& plan) {
 
 SamplingTasks sampling_tasks(double samples) {
   SamplingTasks tasks;
-  tasks.candidates = (kCandidatesPerSample + kAreaPointsPerSample / 2.0) * samples;
+  tasks.candidates = expected_candidates(samples);
   tasks.candidate_tasks =
       std::ceil(kCandidatesPerSample * std::max(100.0, samples) / kCandidatesPerTask);
+  const ThinningSplit split;
+  tasks.tiles = static_cast<double>(split.tiles(tasks.candidates));
+  if (tasks.tiles > 1.0) {
+    tasks.sorting_tasks =
+        std::ceil(tasks.candidate_tasks / static_cast<double>(split.parts_per_group)) *
+        std::ceil(tasks.tiles / static_cast<double>(split.tiles_per_group));
+  }
   tasks.cell_points = std::min(kPointsPerCell * samples, static_cast<double>(kMostPoints));
   tasks.cell_tasks = std::ceil(tasks.cell_points / kPointsPerTask);
   return tasks;
@@ -381,17 +318,19 @@ double expected_samples(const OptionValues& options, double area) {
 }
 
 std::vector<std::string> sampling_kinds() {
-  return {"start", "candidates", "points", "cells", "samples", "albedo"};
+  std::vector<std::string> kinds = {"start", "candidates"};
+  for (const std::string& kind : thinning_kinds()) kinds.push_back(kind);
+  for (const char* kind : {"cells", "samples", "albedo"}) kinds.emplace_back(kind);
+  return kinds;
 }
 
 Artifact run_sampling(const TaskSpec& task, const TaskReader& reader) {
   if (task.kind == "start") return run_start(task, reader);
   if (task.kind == "candidates") return run_candidates(task, reader);
-  if (task.kind == "points") return run_points(task, reader);
   if (task.kind == "cells") return run_cells(task, reader);
   if (task.kind == "samples") return run_samples(task, reader);
   if (task.kind == "albedo") return run_albedo(task, reader);
-  throw std::logic_error("no sampling task: " + task.kind);
+  return run_thinning(task, reader);
 }
 
 }  // namespace prt

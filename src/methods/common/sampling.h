@@ -1,7 +1,8 @@
-// Stages that every sample-based method shares: start point, candidates, points, cells, samples,
-// albedo.
+// Stages that every sample-based method shares: start point, candidates, points (thinning.h),
+// cells, samples, albedo.
 #pragma once
 
+#include "methods/common/thinning.h"
 #include "methods/method.h"
 
 namespace prt {
@@ -12,12 +13,14 @@ inline constexpr const char* kAlbedoTask = "albedo";
 
 /// Adds the sampling stages to the plan, as far as results allow. Returns true once "samples" is
 /// finished; "albedo" is planned beside it.
-bool plan_sampling(const PlanInputs& inputs, Plan& plan);
+bool plan_sampling(const PlanInputs& inputs, Plan& plan, const ThinningSplit& split = {});
 
 /// How far the stages split for about so many samples.
 struct SamplingTasks {
   double candidates = 0.0;
   double candidate_tasks = 1.0;
+  double tiles = 1.0;  ///< 1: one task thins all, and the next is not there
+  double sorting_tasks = 0.0;
   double cell_points = 0.0;
   double cell_tasks = 1.0;
 };

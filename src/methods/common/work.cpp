@@ -13,14 +13,23 @@ std::vector<StageWork> sampling_and_rays_work(const BakeSize& size, const Option
   // bytes.
   const double candidates = 28.0 * tasks.candidates;
   const double points = 12.0 * tasks.cell_points;
-  return {
+  std::vector<StageWork> work = {
       {"start", 1, 0, 1, 3500, 0},
       {"candidates", tasks.candidate_tasks, 0, n, candidates, candidates / tasks.candidate_tasks},
-      {"points", 1, 0, n, 46.0 * n, 3.0 * candidates},
+      {"points", 1, 0, n, 46.0 * n, tasks.tiles > 1.0 ? candidates : 3.0 * candidates},
       {"cells", tasks.cell_tasks, 0, n, points, points / tasks.cell_tasks},
       {"samples", 1, 0, n, 50.0 * n, points},
       {"albedo", 1, 0, n, 12.0 * n, points},
       {"rays", size.clusters, rays, rays, 6.0 * rays, 12.0 * rays / size.clusters}};
+  if (tasks.tiles > 1.0) {
+    // With their numbers 32 bytes; halos, and what tiles leave, are small beside them.
+    const double tiled = 32.0 * tasks.candidates;
+    work.push_back({"tiles", tasks.sorting_tasks, 0, n, tiled, 2.0 * tiled / tasks.sorting_tasks});
+    work.push_back({"highest", tasks.tiles, 0, n, tiled / 16.0, tiled / tasks.tiles});
+    work.push_back({"spacing", 1, 0, n, 0, tiled / 8.0});
+    work.push_back({"thin", tasks.tiles, 0, n, tiled / 4.0, 3.0 * tiled / tasks.tiles});
+  }
+  return work;
 }
 
 }  // namespace prt

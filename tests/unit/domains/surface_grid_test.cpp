@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "base/random.h"
 #include "scene/scene.h"
 
@@ -46,22 +48,27 @@ SampleSet strewn(const Scene& scene, std::size_t count) {
   return samples;
 }
 
+SurfacePoint random_point(const Scene& scene, std::size_t k) {
+  Random random(2, k);
+  SurfacePoint point;
+  point.triangle =
+      static_cast<std::uint32_t>(random.uniform() * static_cast<float>(scene.triangles.size()));
+  // Corners and edges as often as not.
+  point.u = std::clamp(1.5F * random.uniform() - 0.25F, 0.0F, 1.0F);
+  point.v = (1.0F - point.u) * std::clamp(1.5F * random.uniform() - 0.25F, 0.0F, 1.0F);
+  point.front = random.uniform() < 0.5F;
+  point.position = triangle_point(scene, point.triangle, point.u, point.v);
+  point.normal = (point.front ? 1.0F : -1.0F) * triangle_normal(scene, point.triangle);
+  return point;
+}
+
 void expect_answers_of_the_grid(const Scene& scene, std::size_t count, float reach) {
   const SampleSet samples = strewn(scene, count);
   const SampleGrid grid(samples.positions, samples.normals, 3.0F * kSpacing);
   const SurfaceGrid surfaces(scene, samples, grid, reach, kSpacing);
   std::size_t known = 0;
   for (std::size_t k = 0; k < kPoints; ++k) {
-    Random random(2, k);
-    SurfacePoint point;
-    point.triangle =
-        static_cast<std::uint32_t>(random.uniform() * static_cast<float>(scene.triangles.size()));
-    // Corners and edges as often as not.
-    point.u = std::clamp(1.5F * random.uniform() - 0.25F, 0.0F, 1.0F);
-    point.v = (1.0F - point.u) * std::clamp(1.5F * random.uniform() - 0.25F, 0.0F, 1.0F);
-    point.front = random.uniform() < 0.5F;
-    point.position = triangle_point(scene, point.triangle, point.u, point.v);
-    point.normal = (point.front ? 1.0F : -1.0F) * triangle_normal(scene, point.triangle);
+    const SurfacePoint point = random_point(scene, k);
     for (const float radius : {0.4F * kSpacing, reach}) {
       const auto found = surfaces.nearest(point, radius);
       if (!found) continue;
@@ -83,7 +90,8 @@ TEST(SurfaceGrid, AnswersAsTheGridDoesFarFromTheOrigin) {
 TEST(SurfaceGrid, KnowsNothingWhereThereAreNoSamples) {
   const Scene scene = walls(Vec3f::Zero());
   const SampleSet none;
-  const SurfaceGrid surfaces(scene, none, SampleGrid({}, {}, kSpacing), 1.0F, kSpacing);
+  const SampleGrid grid({}, {}, kSpacing);
+  const SurfaceGrid surfaces(scene, none, grid, 1.0F, kSpacing);
   SurfacePoint point;
   point.triangle = 0;
   EXPECT_FALSE(surfaces.nearest(point, 1.0F).has_value());
@@ -102,6 +110,57 @@ TEST(SurfaceGrid, StaysSmallOnWideTriangles) {
   point.normal = triangle_normal(scene, 0);
   const auto found = surfaces.nearest(point, kSpacing);
   EXPECT_TRUE(!found || *found == grid.nearest(point.position, point.normal, kSpacing));
+}
+
+TEST(SurfaceGrid, MakesListsWhereItIsAsked) {
+  const Scene scene = walls(Vec3f::Zero());
+  const SampleSet samples = strewn(scene, 1500);
+  const SampleGrid grid(samples.positions, samples.normals, 3.0F * kSpacing);
+  const SurfaceGrid surfaces(scene, samples, grid, 0.4F, 0.1F * kSpacing);
+  EXPECT_EQ(surfaces.made_texels(), 0U);
+  ASSERT_GT(surfaces.texels(), 10000U);
+  SurfacePoint point;
+  point.triangle = 1;
+  point.u = point.v = 0.3F;
+  point.position = triangle_point(scene, 1, point.u, point.v);
+  point.normal = triangle_normal(scene, 1);
+  point.front = true;
+  surfaces.fetch_place(point);
+  surfaces.fetch_list(point);
+  (void)surfaces.nearest(point, 0.4F);
+  EXPECT_GT(surfaces.made_texels(), 0U);
+  EXPECT_LT(surfaces.made_texels(), 100U);
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    (void)surfaces.nearest(random_point(scene, k), 0.4F);
+  }
+  EXPECT_GT(surfaces.made_texels(), surfaces.texels() / 2);
+  EXPECT_LE(surfaces.made_texels(), surfaces.texels());
+}
+
+TEST(SurfaceGrid, AnswersSeveralThreadsAtOnceAlike) {
+  const Scene scene = walls(Vec3f::Zero());
+  const SampleSet samples = strewn(scene, 1500);
+  const SampleGrid grid(samples.positions, samples.normals, 3.0F * kSpacing);
+  for (int round = 0; round < 20; ++round) {
+    const SurfaceGrid surfaces(scene, samples, grid, 0.4F, kSpacing);
+    std::vector<std::vector<std::uint32_t>> found(4);
+    std::vector<std::thread> threads;
+    for (auto& mine : found) {
+      threads.emplace_back([&] {
+        for (std::size_t k = 0; k < 2000; ++k) {
+          const SurfacePoint point = random_point(scene, k);
+          mine.push_back(surfaces.nearest(point, 0.4F).value_or(kNone - 1));
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (std::size_t k = 0; k < 2000; ++k) {
+      if (found[0][k] == kNone - 1) continue;
+      const SurfacePoint point = random_point(scene, k);
+      ASSERT_EQ(found[0][k], grid.nearest(point.position, point.normal, 0.4F));
+    }
+    for (const auto& other : found) ASSERT_EQ(other, found[0]);
+  }
 }
 
 }  // namespace

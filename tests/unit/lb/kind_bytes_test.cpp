@@ -19,6 +19,7 @@
 #include "store/hdf5_image.h"
 #include "store/seal.h"
 #include "support/in_process_bake.h"
+#include "support/tiled_sampling.h"
 
 namespace prt {
 namespace {
@@ -56,16 +57,24 @@ struct KindHashes {
   Hasher structure, inputs, outputs;
 };
 
-/// Runs a whole tiny bake, its evaluation included, and hashes it by kind.
+/// Runs a tiny bake and hashes it by kind.
 class TinyBake : public test::InProcessBake {
  public:
   TinyBake(const Scene& scene, const OptionValues& options)
-      : InProcessBake(scene, options, "avx2"), options_(options) {
+      : InProcessBake(scene, options, "avx2"), options_(options) {}
+
+  /// A whole one, its evaluation included.
+  void run_all() {
     Plan plan = run(lb_method());
-    Plan evaluation = plan_evaluation(options, kSamplesTask, &plan.results);
+    Plan evaluation = plan_evaluation(options_, kSamplesTask, &plan.results);
     for (const TaskSpec& task : evaluation.tasks) evaluate(task);
     std::ranges::move(evaluation.tasks, std::back_inserter(plan.tasks));
     for (const TaskSpec& task : plan.tasks) add(task);
+  }
+  /// Sampling alone, in tiles as of a large scene.
+  void run_in_tiles() {
+    const test::TiledSampling method(ThinningSplit{60000, 1, 2});
+    for (const TaskSpec& task : run(method).tasks) add(task);
   }
 
   [[nodiscard]] json hashes() {
@@ -106,7 +115,7 @@ class TinyBake : public test::InProcessBake {
   std::map<std::string, KindHashes> kinds_;
 };
 
-/// `way`: a solver, or "regions" for gathering in regions.
+/// `way`: a solver, "regions" for gathering in regions, or "tiles" for sampling in tiles.
 json bake_by_kind(const std::string& way) {
   const Scene scene = load_scene(std::string(PRT_SOURCE_DIR) + "/configs/scenes/cornell.glb");
   OptionValues options = test::default_options(lb_method());
@@ -121,7 +130,14 @@ json bake_by_kind(const std::string& way) {
     options.set("lb.region_clusters", 2);
     options.set("lb.window_tolerance", 0.2);
   }
-  return TinyBake(scene, options).hashes();
+  if (way == "tiles") options.set("samples.count", 9000);
+  TinyBake bake(scene, options);
+  if (way == "tiles") {
+    bake.run_in_tiles();
+  } else {
+    bake.run_all();
+  }
+  return bake.hashes();
 }
 
 void compare(const std::string& kind, const json& known, const json& now, bool same_platform) {
@@ -171,7 +187,7 @@ TEST_P(KindBytes, AKindWhoseResultsChangeGetsANewVersion) {
   }
   EXPECT_EQ(record.at(way).size(), now.size()) << "kinds that are gone are still recorded";
 }
-INSTANTIATE_TEST_SUITE_P(Ways, KindBytes, testing::Values("gather", "photons", "regions"));
+INSTANTIATE_TEST_SUITE_P(Ways, KindBytes, testing::Values("gather", "photons", "regions", "tiles"));
 
 }  // namespace
 }  // namespace prt
