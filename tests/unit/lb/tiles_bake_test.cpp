@@ -126,7 +126,7 @@ TEST(TilesOfAScene, AtAGivenSpacingLeavesLittleMoreThanThePoints) {
 TEST(TilesOfAScene, NothingMetIsAUsersError) {
   const Scene scene = scene_named("closed_box");
   for (const char* key : {"samples.count", "samples.spacing"}) {
-    OptionValues options = options_for(key, key == std::string("samples.count") ? kSamples : 0.03);
+    OptionValues options = options_for(key, key == std::string("samples.count") ? 4200 : 0.08);
     options.set("samples.start", {1e6, 1e6, 1e6});
     EXPECT_THROW((void)bake_points(scene, options, {30000, 2, 3}), UserError) << key;
   }
