@@ -46,18 +46,22 @@ class Measure {
       places[k] = primitive_.position(corners[k]);
       if (!places[k].allFinite()) return;  // such a triangle is left out
     }
+    for (std::size_t k = 0; k < 3; ++k) expect_within_reach(corners[k], places[k]);
     // One without area is left out, too: a forgotten point at the origin would hide that all else
     // is far away.
     if ((places[1] - places[0]).cross(places[2] - places[0]).isZero(0.0)) return;
     for (std::size_t k = 0; k < 3; ++k) add(corners[k], places[k]);
   }
 
-  void add(std::uint32_t vertex, const Vec3d& place) {
+  void expect_within_reach(std::uint32_t vertex, const Vec3d& place) const {
     if (place.cwiseAbs().maxCoeff() > kFarthestCoordinate) {
       primitive_.json["attributes"]["POSITION"].fail(
           fmt::format("vertex {} lies beyond {} m; check its values and the node's transform",
                       vertex, kFarthestCoordinate));
     }
+  }
+
+  void add(std::uint32_t vertex, const Vec3d& place) {
     extent_.low = extent_.low.cwiseMin(place);
     extent_.high = extent_.high.cwiseMax(place);
     const Vec3d stored = vector3(primitive_.positions, vertex);
