@@ -60,8 +60,14 @@ void parse_size(const std::string& text, PictureSettings& picture) {
   picture.height = n[1];
 }
 
+#ifdef PRT_HAVE_GL
+constexpr bool kHaveGl = true;
+#else
+constexpr bool kHaveGl = false;
+#endif
+
 void refuse_what_is_not_built(const Words& words, const PlayCommand& command) {
-  if (words.backend == "gl") {
+  if (words.backend == "gl" && !kHaveGl) {
     throw UserError("--backend gl: not built into this program; use --backend cpu");
   }
   if (!words.environment.empty()) {
@@ -78,7 +84,7 @@ void refuse_what_is_not_built(const Words& words, const PlayCommand& command) {
 
 void add_options(CLI::App& app, Words& words, PlayCommand& command) {
   app.add_option("PACKAGE", command.package, "runtime package (.prt.glb)")->required();
-  app.add_option("--backend", words.backend, "cpu (gl: not built into this program)")
+  app.add_option("--backend", words.backend, kHaveGl ? "cpu, or gl: OpenGL 4.3" : "cpu (gl: not built into this program)")
       ->check(CLI::IsMember({"cpu", "gl"}));
   app.add_option("--light", words.lights,
                  "a light: point:x,y,z:r,g,b | sphere:x,y,z:r,g,b:radius | "
@@ -140,6 +146,7 @@ std::optional<PlayCommand> parse_play_command(int argc, char** argv, std::string
                                                     {"indirect", Show::kIndirect},
                                                     {"visibility", Show::kVisibility},
                                                     {"clusters", Show::kClusters}};
+  command.gl = words.backend == "gl";
   refuse_what_is_not_built(words, command);
   command.picture.show = shows.at(words.show);
   parse_size(words.size, command.picture);

@@ -18,8 +18,12 @@ struct WorldCamera {
   [[nodiscard]] SceneCamera in(const Vec3d& origin) const;
 };
 
+/// Pixels of a picture that is kept are averaged over the square of so many samples.
+inline constexpr int kKeptSamples = 2;
+
 struct PlayCommand {
   std::string package;
+  bool gl = false;  ///< the GL back end
   std::vector<WorldLight> lights;  ///< none given: the player chooses
   std::optional<WorldCamera> camera;
   PictureSettings picture;

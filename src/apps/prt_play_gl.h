@@ -1,0 +1,23 @@
+// prt_play --backend gl.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "apps/prt_play_command.h"
+#include "package/package.h"
+#include "scene/light.h"
+
+namespace prt {
+
+/// What is played, the command line's choices filled in.
+struct GlScene {
+  const Package& package;
+  const std::vector<Light>& lights;
+  const SceneCamera& camera;
+};
+
+/// Without a window: bench, picture, figures. Adds to `report`.
+void play_gl_offscreen(const PlayCommand& command, const GlScene& scene, nlohmann::json& report);
+
+}  // namespace prt
