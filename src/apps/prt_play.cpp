@@ -125,7 +125,9 @@ void print(const nlohmann::json& report, bool as_json) {
   }
   fmt::print("{} samples in {} clusters, {} lights\n", report["samples"].dump(),
              report["clusters"].dump(), report["lights"].dump());
-  fmt::print("light change {:.2f} ms\n", report["play_ms"].get<double>());
+  if (report.contains("play_ms")) {
+    fmt::print("light change {:.2f} ms\n", report["play_ms"].get<double>());
+  }
   if (report.contains("bench")) print_bench(report["bench"]);
   if (report.contains("picture_ms")) {
     fmt::print("picture {:.1f} ms\n", report["picture_ms"].get<double>());
@@ -146,7 +148,7 @@ ExitCode run(int argc, char** argv) {
   nlohmann::json report = describe(session);
 #ifdef PRT_HAVE_GL
   if (command->gl) {
-    play_gl_offscreen(*command, {session.package, session.lights, session.camera}, report);
+    play_gl(*command, {session.package, session.lights, session.camera}, report);
     print(report, command->json);
     return ExitCode::kDone;
   }

@@ -8,8 +8,10 @@
 #include "apps/statistics.h"
 #include "base/clock.h"
 #include "base/image_file.h"
+#include "base/log.h"
+#include "player/gl/eyes.h"
 #include "player/gl/offscreen.h"
-#include "player/gl/renderer.h"
+#include "player/gl/viewer.h"
 
 namespace prt {
 namespace {
@@ -17,6 +19,10 @@ namespace {
 /// Of the circle that the light goes round in a bench, as a share of the scene's diagonal.
 constexpr float kCircle = 0.02F;
 constexpr int kFramesPerRound = 60;
+
+gl::StereoSettings stereo_of(const PlayCommand& command) {
+  return {.on = command.stereo, .eye_distance = command.eye_distance};
+}
 
 std::vector<Light> moved(std::vector<Light> lights, const Scene& scene, int frame) {
   const float angle = 2.0F * kPi * static_cast<float>(frame % kFramesPerRound) / kFramesPerRound;
@@ -41,20 +47,20 @@ class Bench {
   Bench(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& renderer)
       : scene_(scene),
         renderer_(renderer),
-        view_(command.picture.width, command.picture.height),
+        eyes_(command.picture.width, command.picture.height, stereo_of(command)),
         seconds_(command.bench_seconds / 3.0),
         look_{command.picture.show, 1.0F} {
     look_.exposure = command.picture.exposure ? *command.picture.exposure
-                                              : renderer_.own_exposure(view_, scene_.camera);
+                                              : eyes_.own_exposure(renderer_, scene_.camera);
   }
 
   nlohmann::json run() {
     const auto light = [&](int i) {
       renderer_.set_lights(moved(scene_.lights, scene_.package.scene, i));
-      renderer_.draw(view_, scene_.camera, look_);
+      eyes_.draw(renderer_, scene_.camera, look_);
     };
-    const auto camera = [&](int i) { renderer_.draw(view_, moved(scene_.camera, i), look_); };
-    const auto still = [&](int) { renderer_.draw(view_, scene_.camera, look_); };
+    const auto camera = [&](int i) { eyes_.draw(renderer_, moved(scene_.camera, i), look_); };
+    const auto still = [&](int) { eyes_.draw(renderer_, scene_.camera, look_); };
     return {{"light_moving", frames(light)},
             {"camera_moving", frames(camera)},
             {"still", frames(still)}};
@@ -67,13 +73,13 @@ class Bench {
     std::vector<double> times;
     int i = 0;
     frame(i++);
-    static_cast<void>(view_.pixel(0, 0));
+    eyes_.wait();
     const std::clock_t cpu_start = std::clock();
     const double end = steady_seconds() + 0.7 * seconds_;
     do {
       const double start = steady_seconds();
       frame(i++);
-      static_cast<void>(view_.pixel(0, 0));
+      eyes_.wait();
       times.push_back(1000.0 * (steady_seconds() - start));
     } while (steady_seconds() < end);
     const double frame_ms = median(times);
@@ -103,26 +109,24 @@ class Bench {
 
   const GlScene& scene_;
   gl::GlRenderer& renderer_;
-  gl::GlView view_;
+  gl::Eyes eyes_;
   double seconds_;
   gl::Look look_;
 };
 
 void draw(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& renderer,
           nlohmann::json& report) {
-  gl::GlView view(command.picture.width, command.picture.height, kKeptSamples);
+  gl::Eyes eyes(command.picture.width, command.picture.height, stereo_of(command), kKeptSamples);
   gl::Look look{command.picture.show, 1.0F};
   look.exposure = command.picture.exposure ? *command.picture.exposure
-                                           : renderer.own_exposure(view, scene.camera);
-  renderer.draw(view, scene.camera, look);
-  write_png(command.out, view.width(), view.height(), view.pixels());
+                                           : eyes.own_exposure(renderer, scene.camera);
+  eyes.draw(renderer, scene.camera, look);
+  write_png(command.out, eyes.width(), eyes.height(), eyes.pixels());
   report["picture"] = command.out;
   report["exposure"] = look.exposure;
 }
 
-}  // namespace
-
-void play_gl_offscreen(const PlayCommand& command, const GlScene& scene, nlohmann::json& report) {
+void play_offscreen(const PlayCommand& command, const GlScene& scene, nlohmann::json& report) {
   const gl::OffscreenContext context;
   gl::GlRenderer renderer(scene.package, command.area_samples);
   renderer.set_lights(scene.lights);
@@ -133,6 +137,43 @@ void play_gl_offscreen(const PlayCommand& command, const GlScene& scene, nlohman
   report["play_ms"] = renderer.take_times().front().second;
   renderer.measure(false);
   if (!command.out.empty()) draw(command, scene, renderer, report);
+}
+
+nlohmann::json numbers(const Vec3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// What the user has set up, in the world: to be given to --light and --camera.
+nlohmann::json describe(const gl::Stage& stage, const Vec3d& origin) {
+  nlohmann::json lights = nlohmann::json::array();
+  for (const Light& light : stage.lights) {
+    lights.push_back({{"position", numbers(origin + light.position.cast<double>())},
+                      {"direction", numbers(light.direction.cast<double>())},
+                      {"intensity", numbers(light.intensity.cast<double>())}});
+  }
+  return {{"lights", lights},
+          {"eye", numbers(origin + stage.camera.eye.cast<double>())},
+          {"target", numbers(origin + stage.camera.target.cast<double>())},
+          {"exposure", stage.exposure}};
+}
+
+void play_in_window(const PlayCommand& command, const GlScene& scene, nlohmann::json& report) {
+  const gl::ViewerSettings settings{.title = "prt_play " + command.package,
+                                    .width = command.picture.width,
+                                    .height = command.picture.height,
+                                    .area_samples = command.area_samples,
+                                    .show = command.picture.show,
+                                    .exposure = command.picture.exposure,
+                                    .stereo = stereo_of(command)};
+  const auto say = [](const std::string& line) { log::info("{}", line); };
+  const gl::Stage end =
+      gl::run_viewer(scene.package, {scene.lights, scene.camera, 1.0F}, settings, say);
+  report["end"] = describe(end, scene.package.scene.origin);
+}
+
+}  // namespace
+
+void play_gl(const PlayCommand& command, const GlScene& scene, nlohmann::json& report) {
+  const bool window = command.out.empty() && command.bench_seconds == 0.0;
+  window ? play_in_window(command, scene, report) : play_offscreen(command, scene, report);
 }
 
 }  // namespace prt

@@ -17,7 +17,7 @@ struct GlScene {
   const SceneCamera& camera;
 };
 
-/// Without a window: bench, picture, figures. Adds to `report`.
-void play_gl_offscreen(const PlayCommand& command, const GlScene& scene, nlohmann::json& report);
+/// Bench and picture without a window, or, where neither is asked for, a window. Adds to `report`.
+void play_gl(const PlayCommand& command, const GlScene& scene, nlohmann::json& report);
 
 }  // namespace prt

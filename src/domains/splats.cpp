@@ -44,8 +44,8 @@ float SplatField::kernel(std::uint32_t sample, const Vec3f& position, const Vec3
   const float along2 = offset.squaredNorm() - across * across;
   const float edge = 1.0F - along2 / (kSplatReach * kSplatReach);
   if (!(edge > 0.0F)) return 0.0F;
-  const float exponent =
-      along2 / (2.0F * kSplatSigma * kSplatSigma) + across * across / (2.0F * kSplatSigmaAcross * kSplatSigmaAcross);
+  const float exponent = along2 / (2.0F * kSplatSigma * kSplatSigma) +
+                         across * across / (2.0F * kSplatSigmaAcross * kSplatSigmaAcross);
   return agreement * edge * edge * std::exp(-exponent);
 }
 

@@ -59,8 +59,7 @@ std::vector<std::uint32_t> by_material(const Scene& scene) {
 }  // namespace
 
 GeometryPass::GeometryPass(const Scene& scene)
-    : reversed_depth_(epoxy_gl_version() >= 45 ||
-                      epoxy_has_gl_extension("GL_ARB_clip_control")) {
+    : reversed_depth_(epoxy_gl_version() >= 45 || epoxy_has_gl_extension("GL_ARB_clip_control")) {
   near_ = (reversed_depth_ ? kNearShare : kNearShareForward) * std::max(scene.diagonal(), 1e-20F);
   upload_vertices(scene);
   upload_triangles(scene);
@@ -108,8 +107,8 @@ Program& GeometryPass::program(const Batch& batch) {
   const std::pair key(batch.texture != kNone, batch.masked);
   const auto known = programs_.find(key);
   if (known != programs_.end()) return known->second;
-  const std::string defines = std::string(key.first ? "#define TEXTURED\n" : "") +
-                              (key.second ? "#define MASKED\n" : "");
+  const std::string defines =
+      std::string(key.first ? "#define TEXTURED\n" : "") + (key.second ? "#define MASKED\n" : "");
   return programs_
       .emplace(key, Program::graphics({"geometry_vertex.glsl"},
                                       {"surface.glsl", "geometry_fragment.glsl"}, defines))

@@ -67,8 +67,8 @@ Interpreter::Value Interpreter::apply(const NearTransfer& near, const ApplyStep&
 }
 
 void Interpreter::plan(const ApplyStep& step) {
-  values_[step.output] = std::visit([&](const auto& op) { return apply(op, step); },
-                                    package_.operators.at(step.op));
+  values_[step.output] =
+      std::visit([&](const auto& op) { return apply(op, step); }, package_.operators.at(step.op));
 }
 
 void Interpreter::plan(const AddStep& step) {

@@ -8,9 +8,9 @@
 namespace prt::gl {
 namespace {
 
-constexpr std::array<const char*, 5> kDefines = {
-    "#define LIGHT_POINT\n", "#define LIGHT_SPHERE\n", "#define LIGHT_SPOT\n",
-    "#define LIGHT_QUAD\n", "#define LIGHT_SUN\n"};
+constexpr std::array<const char*, 5> kDefines = {"#define LIGHT_POINT\n", "#define LIGHT_SPHERE\n",
+                                                 "#define LIGHT_SPOT\n", "#define LIGHT_QUAD\n",
+                                                 "#define LIGHT_SUN\n"};
 
 /// A sphere without extent is a point.
 Light::Kind played_kind(const Light& light) {

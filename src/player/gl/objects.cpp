@@ -90,7 +90,8 @@ Name::~Name() {
 
 TexelBuffer::TexelBuffer(GLenum format, std::size_t texel_bytes, std::span<const std::byte> data) {
   std::vector<std::byte> padded(data.begin(), data.end());
-  const std::size_t texels = std::max<std::size_t>(1, (data.size() + texel_bytes - 1) / texel_bytes);
+  const std::size_t texels =
+      std::max<std::size_t>(1, (data.size() + texel_bytes - 1) / texel_bytes);
   padded.resize(texels * texel_bytes);
   create(format, texel_bytes, texels, padded.data());
 }
@@ -104,9 +105,10 @@ void TexelBuffer::create(GLenum format, std::size_t texel_bytes, std::size_t tex
   GLint most = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (texels > static_cast<std::size_t>(most)) {
-    throw UserError(fmt::format("this package needs a buffer of {} texels, and this OpenGL has room "
-                                "for {}; use --backend cpu",
-                                texels, most));
+    throw UserError(
+        fmt::format("this package needs a buffer of {} texels, and this OpenGL has room "
+                    "for {}; use --backend cpu",
+                    texels, most));
   }
   texels_ = texels;
   buffer_ = new_buffer();
@@ -160,9 +162,10 @@ Canvas::Canvas(int width, int height, std::initializer_list<ImageFormat> colours
   }
   glDrawBuffers(static_cast<GLsizei>(attachments.size()), attachments.data());
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw UserError(fmt::format("this OpenGL cannot draw pictures of {}x{} pixels; make --size "
-                                "smaller or use --backend cpu",
-                                width, height));
+    throw UserError(
+        fmt::format("this OpenGL cannot draw pictures of {}x{} pixels; make --size "
+                    "smaller or use --backend cpu",
+                    width, height));
   }
 }
 

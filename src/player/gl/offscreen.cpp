@@ -14,8 +14,8 @@ namespace {
 std::vector<EGLDisplay> displays() {
   std::vector<EGLDisplay> found;
   if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
-    found.push_back(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA,
-                                             reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr));
+    found.push_back(eglGetPlatformDisplayEXT(
+        EGL_PLATFORM_SURFACELESS_MESA, reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY), nullptr));
   }
   if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_device") &&
       epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_device_enumeration")) {
@@ -79,7 +79,8 @@ OffscreenContext::OffscreenContext() : state_(std::make_unique<State>()) {
     if (state_->open(candidate)) return;
   }
   throw UserError(
-      "--backend gl: EGL offers no OpenGL 4.3 core here; install libgl1-mesa-dri or a driver, or use "
+      "--backend gl: EGL offers no OpenGL 4.3 core here; install libgl1-mesa-dri or a driver, or "
+      "use "
       "--backend cpu");
 }
 

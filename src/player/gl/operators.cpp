@@ -9,7 +9,6 @@ namespace {
 /// Parts in which a coefficient's sum is taken: enough invocations for a wide processor.
 constexpr int kParts = 16;
 
-
 int bits_of(const std::vector<QuantisedMatrix>& matrices) {
   std::vector<const QuantisedMatrix*> all;
   for (const QuantisedMatrix& m : matrices) all.push_back(&m);
@@ -35,8 +34,8 @@ ProjectionRows projection_rows(const ClusterProjection& projection, const Sample
   for (std::uint32_t c = 0; c < projection.blocks.size(); ++c) {
     const QuantisedMatrix& block = projection.blocks[c];
     for (std::uint32_t k = 0; k < block.rows && block.cols > 0; ++k) {
-      made.rows.insert(made.rows.end(), {made.blocks.quads(), quads_for(block.cols),
-                                         samples.cluster_begin[c], 0});
+      made.rows.insert(made.rows.end(),
+                       {made.blocks.quads(), quads_for(block.cols), samples.cluster_begin[c], 0});
       made.places.push_back(4 * layout.quad(c) + k);
       made.scales.push_back(block.scales[k]);
       for (std::uint32_t i = 0; i < block.cols; ++i) made.blocks.append(block, k, i);
@@ -122,9 +121,8 @@ CoefficientLayout::CoefficientLayout(const ClusterProjection& projection) : quad
 
 ProjectionPass::ProjectionPass(const ClusterProjection& projection, const SampleSet& samples)
     : layout_(projection),
-      parts_(Program::compute({"project.glsl"}, bits_of(projection.blocks) == 32
-                                                    ? "#define FLOAT_MATRIX\n"
-                                                    : "")),
+      parts_(Program::compute({"project.glsl"},
+                              bits_of(projection.blocks) == 32 ? "#define FLOAT_MATRIX\n" : "")),
       sum_(Program::compute({"project_sum.glsl"})) {
   const ProjectionRows made = projection_rows(projection, samples, layout_);
   rows_count_ = static_cast<int>(made.scales.size());
@@ -161,14 +159,12 @@ TransferPass::TransferPass(const ClusterTransfer& transfer, const CoefficientLay
     : buffers_(&buffers),
       channel_quads_(layout.channel_quads()),
       coloured_(transfer.channels == 1 ? 0 : 1),
-      to_reduced_(Program::compute({"transfer_right.glsl"},
-                                   bits_of(transfer, &ReceiverTransfer::right) == 32
-                                       ? "#define FLOAT_MATRIX\n"
-                                       : "")),
-      to_samples_(Program::compute({"transfer_left.glsl"},
-                                   bits_of(transfer, &ReceiverTransfer::left) == 32
-                                       ? "#define FLOAT_MATRIX\n"
-                                       : "")) {
+      to_reduced_(Program::compute(
+          {"transfer_right.glsl"},
+          bits_of(transfer, &ReceiverTransfer::right) == 32 ? "#define FLOAT_MATRIX\n" : "")),
+      to_samples_(Program::compute(
+          {"transfer_left.glsl"},
+          bits_of(transfer, &ReceiverTransfer::left) == 32 ? "#define FLOAT_MATRIX\n" : "")) {
   TransferRows made(transfer, layout);
   for (std::uint32_t r = 0; r < transfer.receivers.size(); ++r) {
     made.add(transfer.receivers[r], samples.cluster_begin[r], samples.cluster_size(r));

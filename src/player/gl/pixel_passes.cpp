@@ -28,8 +28,7 @@ Program& SplatPass::program(bool weak) {
 
 Program SplatPass::make_program(const std::string& defines) const {
   constexpr float kLog2E = std::numbers::log2e_v<float>;
-  Program made =
-      Program::graphics({"screen.glsl"}, {"surface.glsl", "splats.glsl"}, defines);
+  Program made = Program::graphics({"screen.glsl"}, {"surface.glsl", "splats.glsl"}, defines);
   made.use();
   made.set("inverse_cell", kernels_.inverse_cell());
   made.set("slot_mask", kernels_.slot_mask());
@@ -38,10 +37,9 @@ Program SplatPass::make_program(const std::string& defines) const {
   made.set("widest", widest_);
   made.set("smallest", kSmallestSplat);
   made.set("fallback", fallback_);
-  made.set("exponents",
-               Eigen::Vector4f(-kLog2E / (2.0F * kSplatSigma * kSplatSigma),
-                               -kLog2E / (2.0F * kSplatSigmaAcross * kSplatSigmaAcross),
-                               1.0F / (kSplatReach * kSplatReach), 0.0F));
+  made.set("exponents", Eigen::Vector4f(-kLog2E / (2.0F * kSplatSigma * kSplatSigma),
+                                        -kLog2E / (2.0F * kSplatSigmaAcross * kSplatSigmaAcross),
+                                        1.0F / (kSplatReach * kSplatReach), 0.0F));
   return made;
 }
 

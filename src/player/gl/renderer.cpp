@@ -13,7 +13,7 @@
 namespace prt::gl {
 namespace {
 
-bool same(const SceneCamera& a, const SceneCamera& b) {
+bool same_camera(const SceneCamera& a, const SceneCamera& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.vertical_fov == b.vertical_fov;
 }
 
@@ -25,14 +25,16 @@ Colours colours_of(Show show) {
 /// Stops before anything is uploaded that cannot be played.
 const Package& playable(const Package& package) {
   if (epoxy_gl_version() < 43) {
-    throw UserError(fmt::format("--backend gl needs OpenGL 4.3 core, and this one is {}.{}; update "
-                                "the driver or use --backend cpu",
-                                epoxy_gl_version() / 10, epoxy_gl_version() % 10));
+    throw UserError(
+        fmt::format("--backend gl needs OpenGL 4.3 core, and this one is {}.{}; update "
+                    "the driver or use --backend cpu",
+                    epoxy_gl_version() / 10, epoxy_gl_version() % 10));
   }
   if (package.samples.size() > kMostSamples) {
-    throw UserError(fmt::format("--backend gl plays up to {} samples, and this package has {}; use "
-                                "--backend cpu",
-                                kMostSamples, package.samples.size()));
+    throw UserError(
+        fmt::format("--backend gl plays up to {} samples, and this package has {}; use "
+                    "--backend cpu",
+                    kMostSamples, package.samples.size()));
   }
   return package;
 }
@@ -49,10 +51,11 @@ struct GlView::Images {
       : surfaces(side * width, side * height, {kVec4Image, kIndex4Image}, true),
         splats(side * width, side * height, {kIndex4Image, kIndex4Image, kIndex4Image}, false),
         picture(width, height, {kSrgbImage}, false) {
-    if (side > 1) samples.emplace(side * width, side * height, std::initializer_list{kHalf4Image}, false);
+    if (side > 1)
+      samples.emplace(side * width, side * height, std::initializer_list{kHalf4Image}, false);
   }
   Canvas surfaces, splats, picture;
-  std::optional<Canvas> samples;  ///< of a picture, several a pixel
+  std::optional<Canvas> samples;      ///< of a picture, several a pixel
   std::optional<SceneCamera> camera;  ///< that surfaces and splats are of
   bool weak = false;                  ///< splats have the weakest kernels, too
 };
@@ -128,7 +131,7 @@ struct GlRenderer::State {
 };
 
 void GlRenderer::State::look_from(const SceneCamera& camera, bool weak, GlView::Images& images) {
-  const bool stands = images.camera && same(*images.camera, camera);
+  const bool stands = images.camera && same_camera(*images.camera, camera);
   if (stands && images.weak == weak) return;
   clock.start();
   if (!stands) geometry.draw(camera, images.surfaces);
@@ -157,9 +160,10 @@ GlRenderer::~GlRenderer() = default;
 
 void GlRenderer::set_lights(std::span<const Light> lights) {
   if (lights.size() > static_cast<std::size_t>(kMostLights)) {
-    throw UserError(fmt::format("--backend gl plays up to {} lights at once, not {}; use --backend "
-                                "cpu",
-                                kMostLights, lights.size()));
+    throw UserError(
+        fmt::format("--backend gl plays up to {} lights at once, not {}; use --backend "
+                    "cpu",
+                    kMostLights, lights.size()));
   }
   State& s = *state_;
   s.clock.start();

@@ -24,7 +24,8 @@ SampleBuffers::SampleBuffers(const SampleSet& samples) : count(samples.size()) {
   tangents = vec4_texels(tangent);
   std::vector<std::uint32_t> group;
   for (std::uint32_t c = 0; c < samples.clusters(); ++c) {
-    for (std::uint32_t i = samples.cluster_begin[c]; i < samples.cluster_begin[c + 1]; i += kGroup) {
+    for (std::uint32_t i = samples.cluster_begin[c]; i < samples.cluster_begin[c + 1];
+         i += kGroup) {
       group.insert(group.end(), {i, samples.cluster_begin[c + 1], c, 0});
       ++group_count;
     }

@@ -32,6 +32,7 @@ const float kFullCover = 0.25;  // where kernels sum up to less, weak ones count
 const float kLimit = float(1 << 20);
 
 uint entries[kMost];
+float weights[kMost];
 float total = 0.0;
 
 int used = 0;
@@ -70,23 +71,25 @@ float kernel(vec4 sample_position, vec3 n, vec3 position, vec3 normal) {
   return cosine > 0.5 && edge > 0.0 ? weight : 0.0;
 }
 
-// Adds an entry. Kernels that are not weak leave room for more; of all kernels the lightest go.
+// Kernels that are not weak leave room for more; of all kernels the lightest go.
 void keep(uint index, float weight) {
-  uint entry = index | (max(1u, uint(1023.0 * min(weight, 1.0) + 0.5)) << 22);
-  int place = used;
 #ifdef WEAK_KERNELS
   for (bool full = used == kMost; full; full = false) {
-    uint lightest = entry;
-    for (int k = 0; k < kMost; ++k) {
-      if ((entries[k] >> 22) < (lightest >> 22)) {
-        lightest = entries[k];
-        place = k;
-      }
+    int lightest = 0;
+    for (int k = 1; k < kMost; ++k) {
+      if (weights[k] < weights[lightest]) lightest = k;
+    }
+    if (weights[lightest] < weight) {
+      entries[lightest] = index;
+      weights[lightest] = weight;
     }
   }
 #endif
-  if (place < kMost) entries[place] = entry;
-  used = min(used + 1, kMost);
+  if (used < kMost) {
+    entries[used] = index;
+    weights[used] = weight;
+    ++used;
+  }
 }
 
 void reach(uint index, vec3 position, vec3 normal, float least) {
@@ -163,7 +166,10 @@ void find_nearest(vec3 position, vec3 normal) {
   if (nearest != 0xFFFFFFFFu) keep(nearest, 1.0);
 }
 
-uint entry(int k) { return k < used ? entries[k] : 0u; }
+uint entry(int k) {
+  uint weight = uint(clamp(1023.0 * weights[k] + 0.5, 1.0, 1023.0));
+  return k < used ? entries[k] | (weight << 22) : 0u;
+}
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
