@@ -3,6 +3,7 @@
 
 #include "base/image_file.h"
 #include "gl/gl_lights.h"
+#include "player/gl/eyes.h"
 #include "player/gl/offscreen.h"
 #include "player/gl/renderer.h"
 #include "stability/small_bake.h"
@@ -96,6 +97,33 @@ TEST_F(GlPictures, AgreeWhenPixelsAreAveraged) {
   const auto apart = test::difference(view.pixels(), expected.rgb, kWidth, kHeight);
   EXPECT_LE(apart.mean, kMeanDifference);
   EXPECT_LE(apart.worst_block, kBlockDifference);
+}
+
+TEST_F(GlPictures, ShowEachEyeItsOwnView) {
+  const auto lights = test::lights_of_every_kind().front().lights;
+  const gl::StereoSettings stereo{.on = true, .eye_distance = 0.3F};
+  const SceneCamera from = cameras().front();
+  gl::Eyes eyes(2 * kWidth, kHeight, stereo);
+  gl_.set_lights(lights);
+  eyes.draw(gl_, from, {});
+  const auto both = eyes.pixels();
+  ASSERT_EQ(both.size(), std::size_t{2} * 3 * kWidth * kHeight);
+  const SampleIrradiance irradiance = cpu_.evaluate(lights);
+  std::vector<std::vector<std::uint8_t>> halves;
+  for (const SceneCamera& eye : gl::eye_cameras(from, stereo)) {
+    const auto half = static_cast<std::ptrdiff_t>(halves.size());
+    auto& pixels = halves.emplace_back();
+    for (std::ptrdiff_t y = 0; y < kHeight; ++y) {
+      const auto row = both.begin() + 3 * kWidth * (2 * y + half);
+      pixels.insert(pixels.end(), row, row + 3 * kWidth);
+    }
+    const Picture expected =
+        render(cpu_, irradiance, eye, {.width = kWidth, .height = kHeight, .exposure = 1.0F});
+    const auto apart = test::difference(pixels, expected.rgb, kWidth, kHeight);
+    EXPECT_LE(apart.mean, kMeanDifference);
+    EXPECT_LE(apart.worst_block, kBlockDifference);
+  }
+  EXPECT_GT(test::difference(halves[0], halves[1], kWidth, kHeight).mean, kMeanDifference);
 }
 
 /// What is kept while the camera stands still must not outlive its move, nor that of the light.

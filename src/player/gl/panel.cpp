@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "player/gl/controls.h"
+#include "player/view.h"
 
 namespace prt::gl {
 namespace {
@@ -143,8 +144,7 @@ void edit_picture(PanelState& state) {
   }
   ImGui::SliderFloat("exposure", &state.stage.exposure, 1e-3F, 1e3F, "%.3f",
                      ImGuiSliderFlags_Logarithmic);
-  ImGui::SameLine();
-  if (ImGui::Button("own")) state.auto_exposure = true;
+  if (ImGui::Button("own exposure")) state.auto_exposure = true;
   ImGui::Checkbox("walk", &state.walking);
   ImGui::SameLine();
   ImGui::Checkbox("stereo", &state.stereo.on);
@@ -156,6 +156,22 @@ void edit_picture(PanelState& state) {
   if (ImGui::Button("turntable (T)")) state.turntable = true;
 }
 
+/// Rings where the lights are, the selected one's brighter.
+void mark_lights(const PanelState& state) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const View view(state.stage.camera, static_cast<int>(size.x), static_cast<int>(size.y));
+  for (std::size_t i = 0; i < state.stage.lights.size(); ++i) {
+    const Light& light = state.stage.lights[i];
+    const Projected at = view.project(light.position);
+    if (light.kind == Light::Kind::kSun || !(at.w > 0.0)) continue;
+    const ImVec2 centre(0.5F * size.x * static_cast<float>(1.0 + at.x / at.w / view.aspect()),
+                        0.5F * size.y * static_cast<float>(1.0 + at.y / at.w));
+    const bool selected = i == state.selected;
+    ImGui::GetBackgroundDrawList()->AddCircle(
+        centre, selected ? 9.0F : 6.0F, IM_COL32(255, 220, 90, selected ? 255 : 140), 0, 2.0F);
+  }
+}
+
 }  // namespace
 
 void add_frame(PanelState& state, PassTimes times) {
@@ -165,13 +181,16 @@ void add_frame(PanelState& state, PassTimes times) {
 
 void draw_panel(PanelState& state) {
   if (!state.visible) return;
+  if (!state.stereo.on && ImGui::GetIO().DisplaySize.y > 0.0F) mark_lights(state);
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({300, 0}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({310, 520}, ImGuiCond_FirstUseEver);
   ImGui::Begin("prt_play (F1)");
+  ImGui::PushItemWidth(-100.0F);
   edit_picture(state);
   if (ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) edit_lights(state);
   const bool graph = ImGui::CollapsingHeader("Frame time", ImGuiTreeNodeFlags_DefaultOpen);
   if (graph && !state.frames.empty()) draw_graph(state.frames);
+  ImGui::PopItemWidth();
   ImGui::End();
 }
 
