@@ -11,6 +11,7 @@
 #include "apps/prt_play_command.h"
 #include "apps/prt_play_gl.h"
 #include "apps/statistics.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/image_file.h"
 #include "base/log.h"
@@ -144,11 +145,12 @@ ExitCode run(int argc, char** argv) {
     fmt::print("{}", message);
     return ExitCode::kDone;
   }
+  [[maybe_unused]] const double start = steady_seconds();
   const Session session(*command);
   nlohmann::json report = describe(session);
 #ifdef PRT_HAVE_GL
   if (command->gl) {
-    play_gl(*command, {session.package, session.lights, session.camera}, report);
+    play_gl(*command, {session.package, session.lights, session.camera, start}, report);
     print(report, command->json);
     return ExitCode::kDone;
   }

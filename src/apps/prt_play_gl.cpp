@@ -126,11 +126,21 @@ void draw(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& rend
   report["exposure"] = look.exposure;
 }
 
+/// As a window would show it first: in full size, with an exposure of its own.
+void first_frame(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& renderer) {
+  gl::Eyes eyes(command.picture.width, command.picture.height, stereo_of(command));
+  const float exposure = eyes.own_exposure(renderer, scene.camera);
+  eyes.draw(renderer, scene.camera, {command.picture.show, exposure});
+  eyes.wait();
+}
+
 void play_offscreen(const PlayCommand& command, const GlScene& scene, nlohmann::json& report) {
   const gl::OffscreenContext context;
   gl::GlRenderer renderer(scene.package, command.area_samples);
   renderer.set_lights(scene.lights);
   report["renderer"] = gl::renderer_name();
+  first_frame(command, scene, renderer);
+  report["first_frame_ms"] = 1000.0 * (steady_seconds() - scene.start);
   if (command.bench_seconds > 0.0) report["bench"] = Bench(command, scene, renderer).run();
   renderer.measure(true);
   renderer.set_lights(scene.lights);

@@ -15,6 +15,7 @@ struct GlScene {
   const Package& package;
   const std::vector<Light>& lights;
   const SceneCamera& camera;
+  double start;  ///< of the program, on steady_seconds()
 };
 
 /// Bench and picture without a window, or, where neither is asked for, a window. Adds to `report`.

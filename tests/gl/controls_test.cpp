@@ -53,8 +53,8 @@ TEST(Controls, AnotherKindOfLightIsAboutAsBright) {
   const auto irradiance = [&](const Light& light) {
     return incident_light(light, below, 0.5F, 0.5F).irradiance;
   };
-  for (const auto kind : {Light::Kind::kSphere, Light::Kind::kSpot, Light::Kind::kQuad,
-                          Light::Kind::kSun}) {
+  for (const auto kind :
+       {Light::Kind::kSphere, Light::Kind::kSpot, Light::Kind::kQuad, Light::Kind::kSun}) {
     const Light other = gl::as_kind(point, kind, kSize);
     EXPECT_EQ(other.kind, kind);
     EXPECT_LT((irradiance(other) - irradiance(point)).norm(), 0.1F * irradiance(point).norm());

@@ -53,11 +53,13 @@ class Player {
     program_ = std::make_unique<test::Program>(
         std::vector<std::string>{"env", "-C", folder.string(), play, "room.prt.glb", "--backend",
                                  "gl", "--size", fmt::format("{}x{}", kWidth, kHeight), "--light",
-                                 "point:1.6,1.2,2.2:9,8,7", "--exposure", std::to_string(kExposure), "--json"},
+                                 "point:1.6,1.2,2.2:9,8,7", "--exposure", std::to_string(kExposure),
+                                 "--json"},
         pipe);
     said_.open(pipe);
-    EXPECT_TRUE(run("timeout 30 xdotool search --sync --onlyvisible --name prt_play"
-                    " windowfocus > /dev/null"));
+    EXPECT_TRUE(
+        run("timeout 30 xdotool search --sync --onlyvisible --name prt_play"
+            " windowfocus > /dev/null"));
   }
 
   /// Asks for a screenshot and waits until it is written.
@@ -97,9 +99,10 @@ TEST(Window, LightFollowsTheMouseAndPictureTheLight) {
 
   Player player(folder.path);
   const auto before = read_png((folder.path / player.screenshot()).string());
-  ASSERT_TRUE(run(fmt::format("xdotool mousemove 500 400 mousedown 1 mousemove_relative {} {} "
-                              "mousemove_relative -- {} {} mouseup 1",
-                              kDrag.x, 0, 0, kDrag.y)));
+  ASSERT_TRUE(
+      run(fmt::format("xdotool mousemove 500 400 mousedown 1 mousemove_relative {} {} "
+                      "mousemove_relative -- {} {} mouseup 1",
+                      kDrag.x, 0, 0, kDrag.y)));
   const auto after = read_png((folder.path / player.screenshot()).string());
   const nlohmann::json end = player.end().at("end");
 

@@ -46,11 +46,11 @@ std::vector<std::uint8_t> Eyes::pixels() const {
   return both;
 }
 
-void Eyes::copy(unsigned framebuffer) const {
+void Eyes::copy(unsigned framebuffer, int scale) const {
   int x = 0;
   for (const GlView& view : views_) {
-    view.copy(framebuffer, x, 0);
-    x += view.width();
+    view.copy(framebuffer, x, 0, scale);
+    x += scale * view.width();
   }
 }
 

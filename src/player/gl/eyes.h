@@ -24,7 +24,8 @@ class Eyes {
   [[nodiscard]] float own_exposure(GlRenderer& renderer, const SceneCamera& camera);
   /// 8-bit sRGB, top row first.
   [[nodiscard]] std::vector<std::uint8_t> pixels() const;
-  void copy(unsigned framebuffer) const;
+  /// As GlView::copy.
+  void copy(unsigned framebuffer, int scale = 1) const;
   /// Waits until the picture is done.
   void wait() const;
   [[nodiscard]] int width() const {

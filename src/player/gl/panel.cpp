@@ -34,12 +34,6 @@ ImU32 colour_of(std::string_view pass) {
   return IM_COL32(160, 160, 160, 255);
 }
 
-double total(const PassTimes& times) {
-  double sum = 0.0;
-  for (const auto& time : times) sum += time.second;
-  return sum;
-}
-
 /// The last frames as stacked bars, full height at the slowest.
 void draw_graph(const std::deque<PassTimes>& frames) {
   double slowest = 1.0;
@@ -173,6 +167,12 @@ void mark_lights(const PanelState& state) {
 }
 
 }  // namespace
+
+double total(const PassTimes& times) {
+  double sum = 0.0;
+  for (const auto& time : times) sum += time.second;
+  return sum;
+}
 
 void add_frame(PanelState& state, PassTimes times) {
   state.frames.push_back(std::move(times));

@@ -22,6 +22,9 @@ struct PanelState {
   std::deque<PassTimes> frames;  ///< the last ones, the newest at the end
 };
 
+/// Milliseconds of all passes.
+double total(const PassTimes& times);
+
 /// Remembers a frame for the graph.
 void add_frame(PanelState& state, PassTimes times);
 

@@ -92,12 +92,12 @@ std::array<std::uint8_t, 3> GlView::pixel(int x, int y) const {
   return rgb;
 }
 
-void GlView::copy(unsigned framebuffer, int x, int y) const {
+void GlView::copy(unsigned framebuffer, int x, int y, int scale) const {
   glDisable(GL_FRAMEBUFFER_SRGB);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, images_->picture.framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, width_, height_, x, y, x + width_, y + height_, GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
+  glBlitFramebuffer(0, 0, width_, height_, x, y, x + scale * width_, y + scale * height_,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 struct GlRenderer::State {

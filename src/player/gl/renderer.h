@@ -65,8 +65,9 @@ class GlView {
   [[nodiscard]] std::vector<std::uint8_t> pixels() const;
   /// One pixel of it; waits for the picture to be done. From the lower left.
   [[nodiscard]] std::array<std::uint8_t, 3> pixel(int x, int y) const;
-  /// Copies it into another framebuffer (0: the window), its lower left corner at (x, y).
-  void copy(unsigned framebuffer, int x = 0, int y = 0) const;
+  /// Copies it into another framebuffer (0: the window), its lower left corner at (x, y), each
+  /// pixel as a square of `scale`².
+  void copy(unsigned framebuffer, int x = 0, int y = 0, int scale = 1) const;
 
  private:
   friend class GlRenderer;

@@ -11,6 +11,10 @@ namespace prt::gl {
 namespace {
 
 constexpr int kTurntablePictures = 60;
+/// Where a frame takes longer than this when the camera moves (ms), frames are drawn at half the
+/// resolution until it stands.
+constexpr double kSlowFrame = 50.0;
+constexpr int kCoarse = 2;
 /// Metres a second on foot, as a share of the scene's diagonal.
 constexpr float kWalkSpeed = 0.1F;
 
@@ -18,6 +22,10 @@ bool same_light(const Light& a, const Light& b) {
   return a.kind == b.kind && a.position == b.position && a.direction == b.direction &&
          a.intensity == b.intensity && a.radius == b.radius && a.inner_angle == b.inner_angle &&
          a.outer_angle == b.outer_angle && a.edge_u == b.edge_u && a.edge_v == b.edge_v;
+}
+
+bool same_place(const SceneCamera& a, const SceneCamera& b) {
+  return a.eye == b.eye && a.target == b.target;
 }
 
 class Viewer {
@@ -80,6 +88,7 @@ class Viewer {
                       eyes_->height() == height && drawn_distance_ == panel_.stereo.eye_distance;
     if (fits) return;
     eyes_.emplace(width, height, panel_.stereo);
+    coarse_.emplace(std::max(2, width / kCoarse), std::max(1, height / kCoarse), panel_.stereo);
     drawn_stereo_ = panel_.stereo.on;
     drawn_distance_ = panel_.stereo.eye_distance;
     drawn_width_ = width;
@@ -97,9 +106,15 @@ class Viewer {
     if (std::exchange(panel_.auto_exposure, false)) {
       panel_.stage.exposure = eyes_->own_exposure(renderer_, camera);
     }
-    eyes_->draw(renderer_, camera, {panel_.show, panel_.stage.exposure});
-    eyes_->copy(0);
-    add_frame(panel_, renderer_.take_times());
+    const bool moving = last_camera_ && !same_place(*last_camera_, camera);
+    const bool coarse = moving && slow_ && turntable_ < 0 && !panel_.screenshot;
+    Eyes& eyes = coarse ? *coarse_ : *eyes_;
+    eyes.draw(renderer_, camera, {panel_.show, panel_.stage.exposure});
+    eyes.copy(0, coarse ? kCoarse : 1);
+    const PassTimes times = renderer_.take_times();
+    if (moving && !coarse) slow_ = total(times) > kSlowFrame;
+    last_camera_ = camera;
+    add_frame(panel_, times);
   }
 
   /// Pictures hold what the renderer made, without the panel.
@@ -127,6 +142,9 @@ class Viewer {
   GlRenderer renderer_;
   PanelState panel_;
   std::optional<Eyes> eyes_;
+  std::optional<Eyes> coarse_;  // for frames while the camera moves
+  std::optional<SceneCamera> last_camera_;
+  bool slow_ = false;  // the last such frame in full was
   bool drawn_stereo_ = false;
   float drawn_distance_ = 0.0F;
   int drawn_width_ = 0;
