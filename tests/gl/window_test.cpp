@@ -123,5 +123,32 @@ TEST(Window, LightFollowsTheMouseAndPictureTheLight) {
             kBlockDifference);
 }
 
+TEST(Window, SaysInOneLineWhatIsMissing) {
+  const test::TemporaryFolder folder;
+  const std::string room = (folder.path / "room.prt.glb").string();
+  write_package(test::synthetic_room(), room);
+  const std::string play = std::string(PRT_BINARY_DIR) + "/bin/prt_play";
+  const std::vector<std::string> in_window{play, room, "--backend", "gl"};
+  std::vector<std::string> without = in_window;
+  without.insert(without.end(), {"--out", (folder.path / "picture.png").string()});
+  const auto expect_line = [&](const std::vector<std::string>& command, const std::string& name,
+                               const std::string& value) {
+    test::Program program(command, folder.path / "log", {{name, value}});
+    EXPECT_EQ(program.wait(), 2) << name;
+    const std::string said = program.output();
+    const std::size_t at = said.find("prt_play: --backend gl: ");
+    ASSERT_NE(at, std::string::npos) << said;
+    EXPECT_EQ(said.find('\n', at), said.size() - 1) << said;
+    const bool remedy = said.find("use --backend cpu", at) != std::string::npos ||
+                        said.find("give --out", at) != std::string::npos;
+    EXPECT_TRUE(remedy) << said;
+  };
+  expect_line(in_window, "DISPLAY", "");
+  expect_line(in_window, "MESA_GL_VERSION_OVERRIDE", "4.2");
+  expect_line(without, "MESA_GL_VERSION_OVERRIDE", "4.2");
+  expect_line(without, "__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null");
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "picture.png"));
+}
+
 }  // namespace
 }  // namespace prt

@@ -13,6 +13,9 @@
 namespace prt::gl {
 namespace {
 
+/// Work groups of one dispatch that every OpenGL allows.
+constexpr std::size_t kMostGroups = 65535;
+
 void delete_framebuffer(GLuint id) { glDeleteFramebuffers(1, &id); }
 void delete_shader(GLuint id) { glDeleteShader(id); }
 void delete_program(GLuint id) { glDeleteProgram(id); }
@@ -89,9 +92,13 @@ Name::~Name() {
 }
 
 TexelBuffer::TexelBuffer(GLenum format, std::size_t texel_bytes, std::span<const std::byte> data) {
-  std::vector<std::byte> padded(data.begin(), data.end());
   const std::size_t texels =
       std::max<std::size_t>(1, (data.size() + texel_bytes - 1) / texel_bytes);
+  if (data.size() == texels * texel_bytes) {
+    create(format, texel_bytes, texels, data.data());
+    return;
+  }
+  std::vector<std::byte> padded(data.begin(), data.end());
   padded.resize(texels * texel_bytes);
   create(format, texel_bytes, texels, padded.data());
 }
@@ -225,7 +232,14 @@ void ScreenTriangle::draw() const {
 
 void dispatch(std::size_t items, unsigned group) {
   if (items == 0) return;
-  glDispatchCompute(static_cast<GLuint>((items + group - 1) / group), 1, 1);
+  const std::size_t groups = (items + group - 1) / group;
+  if (groups > kMostGroups) {
+    throw UserError(
+        fmt::format("this package has work for {} groups of OpenGL invocations, and {} "
+                    "are the most; use --backend cpu",
+                    groups, kMostGroups));
+  }
+  glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

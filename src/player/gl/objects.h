@@ -134,7 +134,8 @@ class ScreenTriangle {
   Name vertices_;
 };
 
-/// Runs `items` invocations in groups of `group` and lets what follows read what they wrote.
+/// Runs `items` invocations in groups of `group` and lets what follows read what they wrote. Throws
+/// UserError for more groups than OpenGL runs at once.
 void dispatch(std::size_t items, unsigned group);
 
 }  // namespace prt::gl

@@ -36,9 +36,10 @@
 
 namespace prt::gl {
 
-/// More lights than this, or samples, do not fit into a pixel's registers and lists.
+/// More lights than this do not fit into a pixel's registers, more samples not into its lists or a
+/// dispatch.
 inline constexpr int kMostLights = 29;
-inline constexpr std::size_t kMostSamples = (std::size_t{1} << 22) - 2;
+inline constexpr std::size_t kMostSamples = 3'000'000;
 
 /// What OpenGL calls the machine that draws.
 std::string renderer_name();

@@ -1,7 +1,6 @@
 #include "player/gl/splat_cells.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 
@@ -10,6 +9,7 @@ namespace {
 
 /// Cells are numbered in 21 bits an axis.
 constexpr float kLimit = 1 << 20;
+constexpr std::uint32_t kAxis = 0x1FFFFF;
 /// Side of a cell in median radii of the kernels: smaller, and there are more cells than are worth
 /// their memory; larger, and lists grow longer than what reaches a pixel.
 constexpr float kCellRadii = 1.0F;
@@ -21,7 +21,7 @@ constexpr float kReachAcross = 1.1F;
 constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
 
 struct Slot {
-  std::array<std::uint32_t, 2> key;
+  std::uint64_t key = 0;         // two words on the GL, the lower one first
   std::uint32_t begin = kEmpty;  // count, while counting
   std::uint32_t end = 0;
 };
@@ -44,16 +44,16 @@ class Table {
   [[nodiscard]] std::vector<Slot>& slots() { return slots_; }
 
  private:
-  static std::array<std::uint32_t, 2> key_of(const Cell& cell) {
-    const std::uint32_t x = static_cast<std::uint32_t>(cell.x()) & 0x1FFFFFU;
-    const std::uint32_t y = static_cast<std::uint32_t>(cell.y()) & 0x1FFFFFU;
-    const std::uint32_t z = static_cast<std::uint32_t>(cell.z()) & 0x1FFFFFU;
-    return {x | (y << 21), (y >> 11) | (z << 10)};
+  static std::uint64_t key_of(const Cell& cell) {
+    const auto part = [](int coordinate) {
+      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(coordinate) & kAxis);
+    };
+    return part(cell.x()) | part(cell.y()) << 21 | part(cell.z()) << 42;
   }
-  Slot& find(const std::array<std::uint32_t, 2>& key) {
-    const std::uint32_t x = key[0] & 0x1FFFFFU;
-    const std::uint32_t y = (key[0] >> 21) | ((key[1] & 0x3FFU) << 11);
-    const std::uint32_t z = key[1] >> 10;
+  Slot& find(std::uint64_t key) {
+    const auto x = static_cast<std::uint32_t>(key) & kAxis;
+    const auto y = static_cast<std::uint32_t>(key >> 21) & kAxis;
+    const auto z = static_cast<std::uint32_t>(key >> 42) & kAxis;
     const std::uint32_t hash = x * 0x9E3779B1U ^ y * 0x85EBCA77U ^ z * 0xC2B2AE3DU;
     std::size_t slot = (hash ^ (hash >> 15)) & (slots_.size() - 1);
     while (slots_[slot].begin != kEmpty && slots_[slot].key != key) {
@@ -120,6 +120,7 @@ void CellLists::read_at(GLuint table_unit, GLuint lists_unit) const {
 CellLists kernel_cells(const SampleSet& samples, const SplatField& field) {
   std::vector<float> radii;
   for (std::uint32_t i = 0; i < samples.size(); ++i) radii.push_back(field.radius(i));
+  if (radii.empty()) radii.push_back(1.0F);
   std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2),
                    radii.end());
   const float cell = std::max(kCellRadii * radii[radii.size() / 2], 1e-30F);

@@ -29,7 +29,7 @@ const float kFullCover = 1e30;
 #else
 const float kFullCover = 0.25;  // where kernels sum up to less, weak ones count, too
 #endif
-const float kLimit = float(1 << 20);
+const float kLimit = float(1 << 20);  // as in splat_cells.cpp
 
 uint entries[kMost];
 float weights[kMost];
