@@ -16,7 +16,7 @@ constexpr float kZoomStep = 0.9F;
 /// An offset turned about `up` and then tilted, short of the poles.
 Vec3f swung(const Vec3f& offset, const Vec3f& up, float around, float tilt) {
   const Vec3f axis = up.normalized();
-  const Vec3f turned = Eigen::AngleAxisf(around, axis) * offset;
+  Vec3f turned = Eigen::AngleAxisf(around, axis) * offset;
   const float polar = std::acos(std::clamp(axis.dot(turned.normalized()), -1.0F, 1.0F));
   const float wanted = std::clamp(polar + tilt, kNearestToPole, kPi - kNearestToPole);
   const Vec3f side = axis.cross(turned);

@@ -157,8 +157,11 @@ void GeometryPass::draw(const SceneCamera& camera, const Canvas& canvas) {
     work.set("base", batch.base);
     work.set("cutoff", batch.cutoff);
     if (batch.texture != kNone) bind_texture(1, GL_TEXTURE_2D, textures_[batch.texture].id());
+    // GL takes the place in the index buffer as a pointer.
+    const std::size_t first =
+        std::size_t{3} * sizeof(GLuint) * static_cast<std::size_t>(batch.first);
     glDrawElements(GL_TRIANGLES, 3 * batch.count, GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(std::size_t{12} * std::size_t(batch.first)));
+                   reinterpret_cast<const void*>(first));  // NOLINT(performance-no-int-to-ptr)
   }
   if (reversed_depth_) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 }

@@ -31,13 +31,14 @@ LightTable::LightTable(std::span<const Light> lights, int area_samples)
     const auto kind = static_cast<std::size_t>(played_kind(light));
     used.at(kind) = true;
     const std::vector<Vec2f> samples = light_samples(light, area_samples);
+    const std::size_t first_point = points.size() / 2;
     table.push_back(texel(light.position, static_cast<float>(kind)));
     table.push_back(texel(light.direction, light.radius));
     table.push_back(texel(light.intensity, std::cos(light.inner_angle)));
     table.push_back(texel(light.edge_u, std::cos(light.outer_angle)));
     table.push_back(texel(light.edge_v, 0.0F));
-    table.emplace_back(static_cast<float>(points.size() / 2), static_cast<float>(samples.size()),
-                       0.0F, 0.0F);
+    table.emplace_back(static_cast<float>(first_point), static_cast<float>(samples.size()), 0.0F,
+                       0.0F);
     for (const Vec2f& uv : samples) points.insert(points.end(), {uv.x(), uv.y()});
   }
   for (std::size_t k = 0; k < used.size(); ++k) {

@@ -11,12 +11,14 @@ constexpr int kParts = 16;
 
 int bits_of(const std::vector<QuantisedMatrix>& matrices) {
   std::vector<const QuantisedMatrix*> all;
+  all.reserve(matrices.size());
   for (const QuantisedMatrix& m : matrices) all.push_back(&m);
   return QuadRows::bits_of(all);
 }
 
 int bits_of(const ClusterTransfer& transfer, QuantisedMatrix ReceiverTransfer::*part) {
   std::vector<const QuantisedMatrix*> all;
+  all.reserve(transfer.receivers.size());
   for (const ReceiverTransfer& receiver : transfer.receivers) all.push_back(&(receiver.*part));
   return QuadRows::bits_of(all);
 }
