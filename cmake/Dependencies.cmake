@@ -20,3 +20,18 @@ find_package(GTest CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)  # the decoder inside TinyGLTF
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
+
+# The GL back end of the player; without these packages prt_play plays on the CPU alone.
+if(PRT_GL)
+  pkg_check_modules(epoxy IMPORTED_TARGET epoxy)
+  pkg_check_modules(imgui IMPORTED_TARGET imgui)
+  find_package(glfw3 3.3 CONFIG QUIET)
+  if(epoxy_FOUND AND imgui_FOUND AND glfw3_FOUND)
+    set(PRT_HAVE_GL ON)
+  else()
+    set(PRT_HAVE_GL OFF)
+    message(STATUS "prt_play without GL: libepoxy-dev, libglfw3-dev and libimgui-dev are not all there")
+  endif()
+else()
+  set(PRT_HAVE_GL OFF)
+endif()

@@ -1,5 +1,5 @@
-// Linked into every program of a sanitizer build: what Open MPI and TBB do themselves is not our
-// report. It is built in, so that it holds however a program is started.
+// Linked into every program of a sanitizer build: what Open MPI, TBB and Mesa do themselves is not
+// our report. It is built in, so that it holds however a program is started.
 
 /// Libraries stay mapped until the end: a leak's stack in an unloaded plug-in could not be named.
 extern "C" int dlclose(void* /*handle*/) { return 0; }
@@ -16,6 +16,10 @@ extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reser
          "leak:libfabric\n"
          "leak:libucp\n"
          "leak:libtbb\n"
+         "leak:swrast_dri\n"
+         "leak:libLLVM\n"
+         "leak:libEGL\n"
+         "leak:libX11\n"
          "leak:mca_\n";
 }
 

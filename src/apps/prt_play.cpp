@@ -9,6 +9,9 @@
 
 #include "apps/program.h"
 #include "apps/prt_play_command.h"
+#include "apps/prt_play_gl.h"
+#include "apps/statistics.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/image_file.h"
 #include "base/log.h"
@@ -20,17 +23,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Pixels of a picture that is kept are averaged over 2 × 2 samples.
-constexpr int kKeptSamples = 2;
-
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 struct Session {
@@ -50,7 +44,7 @@ struct Session {
 };
 
 nlohmann::json describe(const Session& session) {
-  return {{"backend", "cpu"},
+  return {{"backend", session.command.gl ? "gl" : "cpu"},
           {"samples", session.package.samples.size()},
           {"clusters", session.package.samples.clusters()},
           {"triangles", session.package.scene.triangles.size()},
@@ -115,6 +109,18 @@ void draw(const Session& session, nlohmann::json& report) {
   }
 }
 
+/// Frames of the GL back end.
+void print_bench(const nlohmann::json& bench) {
+  for (const auto& [what, figures] : bench.items()) {
+    std::string passes;
+    for (const auto& [pass, ms] : figures["pass_ms"].items()) {
+      passes += fmt::format("{}{} {:.1f}", passes.empty() ? "" : ", ", pass, ms.get<double>());
+    }
+    fmt::print("{}: {:.1f} fps, {:.1f} ms a frame ({})\n", what, figures["fps"].get<double>(),
+               figures["frame_ms"].get<double>(), passes);
+  }
+}
+
 void print(const nlohmann::json& report, bool as_json) {
   if (as_json) {
     fmt::print("{}\n", report.dump(2));
@@ -122,7 +128,10 @@ void print(const nlohmann::json& report, bool as_json) {
   }
   fmt::print("{} samples in {} clusters, {} lights\n", report["samples"].dump(),
              report["clusters"].dump(), report["lights"].dump());
-  fmt::print("light change {:.2f} ms\n", report["play_ms"].get<double>());
+  if (report.contains("play_ms")) {
+    fmt::print("light change {:.2f} ms\n", report["play_ms"].get<double>());
+  }
+  if (report.contains("bench")) print_bench(report["bench"]);
   if (report.contains("picture_ms")) {
     fmt::print("picture {:.1f} ms\n", report["picture_ms"].get<double>());
   }
@@ -138,8 +147,16 @@ ExitCode run(int argc, char** argv) {
     fmt::print("{}", message);
     return ExitCode::kDone;
   }
+  [[maybe_unused]] const double start = steady_seconds();
   const Session session(*command);
   nlohmann::json report = describe(session);
+#ifdef PRT_HAVE_GL
+  if (command->gl) {
+    play_gl(*command, {session.package, session.lights, session.camera, start}, report);
+    print(report, command->json);
+    return ExitCode::kDone;
+  }
+#endif
   if (command->bench_seconds > 0.0) bench(session, report);
   if (!command->out.empty()) draw(session, report);
   if (!report.contains("play_ms")) {

@@ -60,9 +60,18 @@ void parse_size(const std::string& text, PictureSettings& picture) {
   picture.height = n[1];
 }
 
+#ifdef PRT_HAVE_GL
+constexpr bool kHaveGl = true;
+#else
+constexpr bool kHaveGl = false;
+#endif
+
 void refuse_what_is_not_built(const Words& words, const PlayCommand& command) {
-  if (words.backend == "gl") {
+  if (words.backend == "gl" && !kHaveGl) {
     throw UserError("--backend gl: not built into this program; use --backend cpu");
+  }
+  if (command.stereo && !command.gl) {
+    throw UserError("--stereo: only --backend gl draws two eyes");
   }
   if (!words.environment.empty()) {
     throw UserError("--env: this package has no environment layer; leave it out");
@@ -78,7 +87,10 @@ void refuse_what_is_not_built(const Words& words, const PlayCommand& command) {
 
 void add_options(CLI::App& app, Words& words, PlayCommand& command) {
   app.add_option("PACKAGE", command.package, "runtime package (.prt.glb)")->required();
-  app.add_option("--backend", words.backend, "cpu (gl: not built into this program)")
+  app.add_option("--backend", words.backend,
+                 kHaveGl ? "cpu, or gl: OpenGL 4.3 core, in a window unless --out or --bench is "
+                           "given"
+                         : "cpu (gl: not built into this program)")
       ->check(CLI::IsMember({"cpu", "gl"}));
   app.add_option("--light", words.lights,
                  "a light: point:x,y,z:r,g,b | sphere:x,y,z:r,g,b:radius | "
@@ -102,6 +114,11 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
   app.add_option("--area-samples", command.area_samples, "points on each area light")
       ->check(CLI::Range(1, 4096))
       ->type_name("N");
+  app.add_flag("--stereo", command.stereo, "side by side for a headset (gl); --size is of both");
+  app.add_option("--eye-distance", command.eye_distance, "of --stereo, m")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str()
+      ->type_name("M");
   app.add_option("--exposure", words.exposure,
                  "factor on radiance before the filmic curve (default: the picture's own)")
       ->check(CLI::PositiveNumber)
@@ -140,6 +157,7 @@ std::optional<PlayCommand> parse_play_command(int argc, char** argv, std::string
                                                     {"indirect", Show::kIndirect},
                                                     {"visibility", Show::kVisibility},
                                                     {"clusters", Show::kClusters}};
+  command.gl = words.backend == "gl";
   refuse_what_is_not_built(words, command);
   command.picture.show = shows.at(words.show);
   parse_size(words.size, command.picture);

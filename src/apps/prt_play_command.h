@@ -18,14 +18,20 @@ struct WorldCamera {
   [[nodiscard]] SceneCamera in(const Vec3d& origin) const;
 };
 
+/// Pixels of a picture that is kept are averaged over the square of so many samples.
+inline constexpr int kKeptSamples = 2;
+
 struct PlayCommand {
   std::string package;
+  bool gl = false;                 ///< the GL back end
   std::vector<WorldLight> lights;  ///< none given: the player chooses
   std::optional<WorldCamera> camera;
   PictureSettings picture;
   int area_samples = 25;
-  std::string out;             ///< .png; empty: no picture is kept
-  double bench_seconds = 0.0;  ///< 0: no bench
+  bool stereo = false;          ///< two eyes side by side
+  float eye_distance = 0.063F;  ///< m
+  std::string out;              ///< .png; empty: no picture is kept
+  double bench_seconds = 0.0;   ///< 0: no bench
   bool json = false;
 };
 

@@ -6,19 +6,6 @@
 namespace prt {
 namespace {
 
-/// Standard deviation of a kernel in its tangent plane, in Poisson-disk radii. Chosen by measuring
-/// (splats_test): ERROR OF SMOOTH FUNCTIONS.
-constexpr float kSigma = 0.6F;
-/// A kernel ends here, in radii. A maximal Poisson-disk set leaves no point farther than one radius
-/// from a sample; the rest is margin for places where candidates were few.
-constexpr float kReach = 2.0F;
-/// Standard deviation across the surface, in radii: parallel sheets a third of a radius apart
-/// hardly mix.
-constexpr float kSigmaAcross = 0.1F;
-/// Kernels weaker than this are left out: they would only slow things down, or underflow.
-constexpr float kSmallestWeight = 1e-12F;
-/// Where no kernel reaches: the nearest compatible sample within this many of the largest radius.
-constexpr float kFallbackReach = 4.0F;
 /// No sample's radius counts for more than this many medians: a kernel of a Poisson-disk set is at
 /// most four times another (candidate_radius), and one absurd radius must not make every look-up
 /// slow.
@@ -36,25 +23,29 @@ float median(std::vector<float> values) {
 SplatField::SplatField(const SampleSet& samples) : samples_(&samples) {
   largest_radius_ = kLargestRadius * median(samples.radii);
   float largest = 0.0F;
-  for (const float r : samples.radii) largest = std::max(largest, std::min(r, largest_radius_));
+  for (std::uint32_t i = 0; i < samples.size(); ++i) largest = std::max(largest, radius(i));
   largest_radius_ = largest;
-  reach_ = kReach * largest;
+  reach_ = kSplatReach * largest;
   grid_ = SampleGrid(samples.positions, samples.normals, std::max(reach_, 1e-30F));
+}
+
+float SplatField::radius(std::uint32_t sample) const {
+  return std::min(samples_->radii[sample], largest_radius_);
 }
 
 float SplatField::kernel(std::uint32_t sample, const Vec3f& position, const Vec3f& normal) const {
   const Vec3f& n = samples_->normals[sample];
   const float agreement = (n.dot(normal) - kCompatibleCosine) / (1.0F - kCompatibleCosine);
   if (!(agreement > 0.0F)) return 0.0F;
-  const float radius = std::min(samples_->radii[sample], largest_radius_);
+  const float radius = this->radius(sample);
   const Vec3f offset = (samples_->positions[sample] - position) / radius;
   // The plane between the two tangent planes: on a sphere no chord leaves it.
   const float across = offset.dot((n + normal).normalized());
   const float along2 = offset.squaredNorm() - across * across;
-  const float edge = 1.0F - along2 / (kReach * kReach);
+  const float edge = 1.0F - along2 / (kSplatReach * kSplatReach);
   if (!(edge > 0.0F)) return 0.0F;
-  const float exponent =
-      along2 / (2.0F * kSigma * kSigma) + across * across / (2.0F * kSigmaAcross * kSigmaAcross);
+  const float exponent = along2 / (2.0F * kSplatSigma * kSplatSigma) +
+                         across * across / (2.0F * kSplatSigmaAcross * kSplatSigmaAcross);
   return agreement * edge * edge * std::exp(-exponent);
 }
 
@@ -67,7 +58,7 @@ void SplatField::weights_at(const Vec3f& position, const Vec3f& normal,
   float total = 0.0F;
   for (const std::uint32_t sample : near) {
     const float weight = kernel(sample, position, normal);
-    if (!(weight > kSmallestWeight)) continue;
+    if (!(weight > kSmallestSplat)) continue;
     out.push_back({sample, weight});
     total += weight;
   }
@@ -75,7 +66,7 @@ void SplatField::weights_at(const Vec3f& position, const Vec3f& normal,
     for (SplatWeight& w : out) w.weight /= total;
     return;
   }
-  const std::uint32_t nearest = grid_.nearest(position, normal, kFallbackReach * largest_radius_);
+  const std::uint32_t nearest = grid_.nearest(position, normal, kSplatFallback * largest_radius_);
   if (nearest != kNone) out.push_back({nearest, 1.0F});
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "player/colours.h"
 #include "player/tone.h"
 #include "player/visible_surfaces.h"
 
@@ -13,21 +14,6 @@ namespace prt {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
-/// Linear; a calm dark blue that no lit surface has.
-const Vec3f kBackground(0.010F, 0.013F, 0.020F);
-const Vec3f kUnlitColour(0.12F, 0.01F, 0.01F);
-
-/// A colour for each cluster, far from its neighbours' by the golden ratio.
-Vec3f cluster_colour(std::uint32_t cluster) {
-  const float hue = std::fmod(0.618034F * static_cast<float>(cluster), 1.0F);
-  Vec3f colour;
-  for (int channel = 0; channel < 3; ++channel) {
-    const float phase = hue + static_cast<float>(channel) / 3.0F;
-    colour[channel] = 0.5F + 0.45F * std::cos(2.0F * kPi * phase);
-  }
-  return cluster % 2 == 0 ? colour : Vec3f(0.45F * colour);
-}
-
 std::vector<Vec3f> cluster_colours(const Evaluator& evaluator, const VisibleSurfaces& surfaces,
                                    const Vec3f& eye, unsigned threads) {
   const auto cluster_of = evaluator.package().samples.cluster_of_sample();
@@ -103,7 +89,7 @@ std::vector<Vec3f> visibility_colours(const std::vector<PlayedIrradiance>& playe
   std::vector<Vec3f> colours;
   colours.reserve(played.size());
   for (const PlayedIrradiance& p : played) {
-    colours.push_back(p.visibility == kUnlit ? kUnlitColour : Vec3f::Constant(p.visibility));
+    colours.push_back(p.visibility == kUnlit ? unlit_colour() : Vec3f::Constant(p.visibility));
   }
   return colours;
 }
@@ -146,7 +132,7 @@ Picture render(const Evaluator& evaluator, const SampleIrradiance& irradiance,
           ? cluster_colours(evaluator, surfaces, camera.eye, settings.threads)
       : settings.show == Show::kVisibility ? visibility_colours(played)
                                            : tone_mapped(surfaces, played, settings, picture);
-  std::vector<Vec3f> samples(image.fragments.size(), kBackground);
+  std::vector<Vec3f> samples(image.fragments.size(), background_colour());
   for (std::size_t i = 0; i < colours.size(); ++i) samples[surfaces.place[i]] = colours[i];
   store(samples, side, picture);
   return picture;

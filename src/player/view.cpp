@@ -20,10 +20,14 @@ Eigen::Matrix3d camera_axes(const SceneCamera& camera) {
   return axes;
 }
 
+double view_scale(const SceneCamera& camera) {
+  return 1.0 / std::tan(0.5 * std::clamp<double>(camera.vertical_fov, 1e-3, 3.1));
+}
+
 View::View(const SceneCamera& camera, int width, int height)
     : to_camera_(camera_axes(camera).transpose()),
       eye_(camera.eye.cast<double>()),
-      scale_(1.0 / std::tan(0.5 * std::clamp<double>(camera.vertical_fov, 1e-3, 3.1))),
+      scale_(view_scale(camera)),
       aspect_(static_cast<double>(width) / height) {}
 
 Projected View::project(const Vec3f& point) const {
@@ -32,7 +36,7 @@ Projected View::project(const Vec3f& point) const {
 }
 
 Vec3f view_direction(const SceneCamera& camera, int width, int height, float x, float y) {
-  const double half = std::tan(0.5 * std::clamp<double>(camera.vertical_fov, 1e-3, 3.1));
+  const double half = 1.0 / view_scale(camera);
   const double right = (2.0 * x / width - 1.0) * half * width / height;
   const double up = (1.0 - 2.0 * y / height) * half;
   return (camera_axes(camera) * Eigen::Vector3d(right, up, -1.0)).normalized().cast<float>();

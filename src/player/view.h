@@ -8,6 +8,9 @@ namespace prt {
 /// Camera axes in double precision: columns right, up, back (against the view).
 Eigen::Matrix3d camera_axes(const SceneCamera& camera);
 
+/// 1 / tan(half the vertical field of view), the field kept between narrowest and widest.
+double view_scale(const SceneCamera& camera);
+
 /// A point as the camera sees it: x right, y down in units of the image plane at depth 1, scaled so
 /// that the image spans [-aspect, aspect] × [-1, 1]; w is the depth along the view (m).
 struct Projected {

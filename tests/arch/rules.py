@@ -48,6 +48,7 @@ THIRD_PARTY = [
     (r"CLI/", "src/apps/"),
     (r"yaml-cpp/", "src/apps/"),
     (r"tiny_gltf\.h", "src/scene/"),
+    (r"epoxy/|EGL/|GL/|GLFW/|imgui", "src/player/gl/"),
 ]
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)[">]', re.M)

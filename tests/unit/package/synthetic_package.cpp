@@ -27,21 +27,6 @@ std::vector<Wall> walls(const Vec3f& s) {
           {x, z, y, -Vec3f::UnitX()}, {o, x, y, Vec3f::UnitZ()},  {z, y, x, -Vec3f::UnitZ()}};
 }
 
-void add_quad(Scene& scene, const Vec3f& corner, const Vec3f& u, const Vec3f& v,
-              std::uint32_t material, std::uint32_t surface) {
-  const auto first = static_cast<std::uint32_t>(scene.positions.size());
-  const Vec3f normal = u.cross(v).normalized();
-  for (int k = 0; k < 4; ++k) {
-    const auto a = static_cast<float>(k == 1 || k == 2);
-    const auto b = static_cast<float>(k >= 2);
-    scene.positions.emplace_back(corner + a * u + b * v);
-    scene.normals.push_back(normal);
-    scene.uvs.emplace_back(a, b);
-  }
-  scene.triangles.push_back({{first, first + 1, first + 2}, material, surface});
-  scene.triangles.push_back({{first, first + 2, first + 3}, material, surface});
-}
-
 float distance_to_walls(const Vec3f& p, const Vec3f& d, const Vec3f& size) {
   float t = kInfinity;
   for (int k = 0; k < 3; ++k) {
@@ -140,6 +125,21 @@ void add_transfer(Package& package, const SyntheticRoom& room) {
 }
 
 }  // namespace
+
+void add_quad(Scene& scene, const Vec3f& corner, const Vec3f& u, const Vec3f& v,
+              std::uint32_t material, std::uint32_t surface) {
+  const auto first = static_cast<std::uint32_t>(scene.positions.size());
+  const Vec3f normal = u.cross(v).normalized();
+  for (int k = 0; k < 4; ++k) {
+    const auto a = static_cast<float>(k == 1 || k == 2);
+    const auto b = static_cast<float>(k >= 2);
+    scene.positions.emplace_back(corner + a * u + b * v);
+    scene.normals.push_back(normal);
+    scene.uvs.emplace_back(a, b);
+  }
+  scene.triangles.push_back({{first, first + 1, first + 2}, material, surface});
+  scene.triangles.push_back({{first, first + 2, first + 3}, material, surface});
+}
 
 std::vector<std::byte> tiny_png() {
   const auto path =

@@ -31,6 +31,10 @@ void add_near(Package& package, std::uint32_t channels = 3);
 /// a textured alpha-masked quad in the middle, camera, point, spot and directional light.
 Scene rich_scene(const Vec3f& size);
 
+/// Adds a parallelogram that faces u × v.
+void add_quad(Scene& scene, const Vec3f& corner, const Vec3f& u, const Vec3f& v,
+              std::uint32_t material, std::uint32_t surface);
+
 /// A PNG of 2 × 2 pixels: red, green, blue, white.
 std::vector<std::byte> tiny_png();
 
