@@ -163,7 +163,7 @@ void print_coordinator_speed() {
 
 /// What single changes to the gallery's bake would bring.
 void print_gallery_changes(const BakeFacts& facts, Table& table) {
-  const std::map<std::string, std::size_t> split = {{"points", 8}, {"solve", 8}, {"evaluate", 8}};
+  const std::map<std::string, std::size_t> split = {{"points", 8}, {"solve", 8}};
   const std::vector<Change> changes = {{.name = "gallery-even", .even_clusters = true},
                                        {.name = "gallery-split", .parts = split},
                                        {.name = "gallery-search", .search_share = 0.05},
@@ -197,7 +197,7 @@ void print_growth(const CityFacts& facts) {
 /// Single changes to the city's bake, and those together that belong together.
 std::vector<Change> city_changes(std::size_t regions) {
   Change all{.name = "city-all",
-             .parts = {{"solve", 4}, {"evaluate", regions}},
+             .parts = {{"solve", 4}, {"compare", regions / 8}},
              .places_by_region = true,
              .scene_share = 0.1,
              .package_share = 1.0 / static_cast<double>(regions)};
@@ -210,7 +210,7 @@ std::vector<Change> city_changes(std::size_t regions) {
           {.name = "city-places", .places_by_region = true},
           {.name = "city-scene", .scene_share = 0.1},
           {.name = "city-package",
-           .parts = {{"evaluate", regions}},
+           .parts = {{"compare", regions / 8}},
            .package_share = 1.0 / static_cast<double>(regions)},
           slow,
           {.name = "city-forgets", .forgets = true}};

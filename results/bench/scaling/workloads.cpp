@@ -23,7 +23,8 @@ constexpr double kCityTrianglesPerSample = 2.0;
 
 bool grows_with_samples(const std::string& kind) {
   static const std::set<std::string> kKinds = {
-      "points", "samples", "albedo", "light_functions", "snapshot_functions", "evaluate"};
+      "points",  "samples", "albedo", "light_functions", "snapshot_functions",
+      "compare", "evaluate"};
   return kKinds.contains(kind);
 }
 
