@@ -113,7 +113,9 @@ class Planner {
       TaskSpec spec = make(kind, numbered(stage, c), {}, kNoScene, 1.0);
       spec.parameters["cluster"] = c;
       adapt(spec, c);
-      if (std::ranges::count(spec.inputs, numbered("rays", c)) > 0) spec.place = cluster_place(c);
+      if (spec.place.empty() && std::ranges::count(spec.inputs, numbered("rays", c)) > 0) {
+        spec.place = cluster_place(c);
+      }
       plan_.tasks.push_back(spec);
     }
   }

@@ -55,6 +55,7 @@ std::string Regions::light_functions(std::size_t r) const {
 void Regions::place(TaskSpec& spec, std::size_t r) const {
   if (!several()) return;
   spec.parameters["region"] = r;
+  spec.place = numbered("region", r);  // its tasks read the same window
   spec.inputs.emplace_back(kWindowsTask);
 }
 

@@ -50,7 +50,8 @@ class Regions {
   [[nodiscard]] std::string name(const std::string& stage, std::size_t r) const;
   /// Name of the light functions that tasks of a region read.
   [[nodiscard]] std::string light_functions(std::size_t r) const;
-  /// Makes a task work in a region's window (scene_part.h): the last thing to do to its inputs.
+  /// Makes a task work in a region's window (scene_part.h), on a rank that works there: the last
+  /// thing to do to its inputs.
   void place(TaskSpec& spec, std::size_t r) const;
   /// Regions whose example lights are known to reach each cluster: those in whose windows it is.
   [[nodiscard]] std::vector<std::vector<std::size_t>> lit_by() const;
