@@ -134,6 +134,7 @@ TaskSpec compare_task(std::size_t number, std::size_t first, std::size_t end,
   for (std::size_t k = first; k < end; ++k) spec.inputs.push_back(numbered(kReference, k));
   spec.inputs.insert(spec.inputs.end(), package_results.begin(), package_results.end());
   spec.cost = 0.3 + 0.03 * static_cast<double>(end - first);
+  spec.place = kCompare;  // a rank makes the package once
   return spec;
 }
 
@@ -229,6 +230,10 @@ Artifact run_evaluate(const TaskSpec& task, const TaskReader& reader) {
   std::vector<LightErrors> lights;
   for (std::size_t k = 0; k < task.inputs.size(); ++k) {
     const auto part = get_light_errors(*reader.input(k));
+    const auto clusters = [](const LightErrors& light) { return light.direct_by_cluster.size(); };
+    if (part.empty() || (!lights.empty() && clusters(part[0]) != clusters(lights[0]))) {
+      throw UnsoundData("comparisons of test lights do not fit together");
+    }
     lights.insert(lights.end(), part.begin(), part.end());
   }
   Artifact out;

@@ -44,6 +44,9 @@ Sums take(std::span<const double> values, std::size_t i) {
   Sums sums;
   const auto own = values.subspan(i * kWidth<Sums>, kWidth<Sums>);
   for (std::size_t k = 0; k + 1 < own.size(); ++k) sums.*Fields<Sums>::kMembers[k] = own[k];
+  if (!(own.back() >= 0.0 && own.back() < 0x1p53)) {
+    throw UnsoundData("a count of points in the sums of test lights is none");
+  }
   sums.not_finite = static_cast<std::uint64_t>(own.back());
   return sums;
 }

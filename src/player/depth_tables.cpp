@@ -1,5 +1,7 @@
 #include "player/depth_tables.h"
 
+#include <algorithm>
+
 #include "bases/depth_basis.h"
 #include "player/dot.h"
 
@@ -51,6 +53,11 @@ DepthTables::View DepthTables::at(std::uint32_t sample, std::uint32_t cluster) c
   thread_local std::vector<float> weights;
   weights.resize(view.cluster_->stride);
   const std::size_t row = sample - samples_->cluster_begin[cluster];
+  if (coefficients.cols == 0) {  // the mean alone, and no scales
+    std::ranges::fill(weights, 0.0F);
+    view.weights_ = weights.data();
+    return view;
+  }
   const float scale = coefficients.scales[row];
   with_numbers(coefficients, [&](const auto* numbers) {
     const auto* own = numbers + row * coefficients.cols;

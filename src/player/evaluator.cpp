@@ -97,7 +97,7 @@ SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
 }
 
 void Evaluator::evaluate(std::span<const Light> lights, SampleIrradiance& result) const {
-  result.lights.assign(lights.begin(), lights.end());
+  if (lights.data() != result.lights.data()) result.lights.assign(lights.begin(), lights.end());
   result.visibility.resize(lights.size());
   result.light_points.resize(lights.size());
   result.direct_light.setZero(3, static_cast<Eigen::Index>(package_.samples.size()));

@@ -55,8 +55,8 @@ struct PlayedIrradiance {
 
 class Evaluator {
  public:
-  /// Decodes the package's matrices once. The package must outlive the evaluator; its scene is not
-  /// looked at. Expects what validate() lets through.
+  /// Lays out what lights ask for most and refers to the rest: the package must outlive the
+  /// evaluator and stay as it is. Its scene is not looked at. Expects what validate() lets through.
   explicit Evaluator(const Package& package, const PlayerSettings& settings = {});
   ~Evaluator();
   Evaluator(const Evaluator&) = delete;

@@ -16,6 +16,11 @@ class PlayProgram {
   /// Keeps references to the package's samples and operators. Expects what validate() lets
   /// through.
   explicit PlayProgram(const Package& package);
+  PlayProgram(const PlayProgram&) = delete;  // steps point into it
+  PlayProgram& operator=(const PlayProgram&) = delete;
+  PlayProgram(PlayProgram&&) = default;
+  PlayProgram& operator=(PlayProgram&&) = delete;
+  ~PlayProgram() = default;
 
   /// Runs the steps after the light step on direct irradiance at the samples (3 × n): `direct` and
   /// `indirect` (n × 3) are what is reconstructed. `work` holds the program's own values between

@@ -1,6 +1,7 @@
 #include "store/samples_io.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace prt {
 
@@ -36,6 +37,8 @@ SampleSet get_samples(const Artifact& artifact) {
                     s.cluster_begin.back() == n &&
                     std::is_sorted(s.cluster_begin.begin(), s.cluster_begin.end());
   if (!fits) throw UnsoundData("the arrays of the samples do not fit together");
+  const auto is_radius = [](float r) { return r > 0.0F && std::isfinite(r); };
+  if (!std::ranges::all_of(s.radii, is_radius)) throw UnsoundData("a sample's radius is none");
   return s;
 }
 

@@ -16,15 +16,15 @@ class SenderSearch {
   SenderSearch(const Scene& scene, const SampleSet& samples);
 
   /// The nearest sample with a compatible normal (squared_distance_off); where none is near, the
-  /// nearest one on the same glTF surface within 90°; else kNone: the light that goes there is lost
-  /// and counted.
+  /// nearest one within 90° if it is of the same glTF surface; else kNone: the light that goes
+  /// there is lost and counted.
   [[nodiscard]] std::uint32_t find(const SurfacePoint& point) const;
 
   /// find() for each of many points: the waiting for memory overlaps.
   void find(std::span<const SurfacePoint> points, std::span<std::uint32_t> found) const;
 
-  /// The nearest compatible sample within its own Poisson-disk reach of the point, or kNone: the
-  /// strict rule by which cells are measured.
+  /// The nearest compatible sample within the largest Poisson-disk reach of the point, or kNone:
+  /// the strict rule by which cells are measured.
   [[nodiscard]] std::uint32_t find_near(const SurfacePoint& point) const;
 
  private:

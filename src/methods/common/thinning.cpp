@@ -100,7 +100,11 @@ struct Bounds {
     high = high.cwiseMax(p);
   }
   void include(const Artifact& artifact) {
-    for (const Vec3f& corner : artifact.points("bounds")) include(corner);
+    const std::vector<Vec3f> box = artifact.points("bounds");
+    if (box.size() != 2)
+      throw UnsoundData("the box around a group of candidates has no two corners");
+    low = low.cwiseMin(box[0]);  // side by side: the box of no candidates is inside out
+    high = high.cwiseMax(box[1]);
   }
   void put(Artifact& out) const {
     out.put("bounds", std::vector<Vec3f>{low, high}, "m", "corners of the box around all");

@@ -1,5 +1,6 @@
 // From candidates to points: in one task, or where candidates are many in tiles of space, so that
-// no task reads or thins all of them.
+// no task reads or thins all of them, as long as the surface that light can reach is spread like
+// the scene's own: tiles are cut by that.
 //
 //   candidates ─► tiles (a group of candidate tasks × a group of tiles) ─► highest (a tile each)
 //       ─► spacing ─► thin (a tile each) ─► points

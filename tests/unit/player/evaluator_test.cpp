@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -220,6 +221,20 @@ TEST(Evaluator, HandMadeDepthsShadowWhatLiesBehindThem) {
   EXPECT_EQ(visibility(base - 0.5F * up), kUnlit);
   // The neighbours are not concerned.
   EXPECT_FLOAT_EQ(evaluator.visibility(point_light(base + 1.5F * up))[i + 1], 1.0F);
+}
+
+TEST(Evaluator, ClustersOfRankZeroSeeTheirMean) {
+  // As they are read from a file: matrices without numbers have no scales.
+  Package room = synthetic_room();
+  for (DepthBlock& block : room.visibility->clusters) {
+    block.basis = {0, block.basis.cols, 8, {}, {}, {}, {}};
+    block.coefficients = {block.coefficients.rows, 0, 8, {}, {}, {}, {}};
+    std::ranges::fill(block.mean.float32, 1.0F);
+  }
+  const SampleIrradiance played = play(Evaluator(room), {point_light({1, 1, 1})});
+  const Package open = synthetic_room({.directions = 0});
+  const SampleIrradiance unshadowed = play(Evaluator(open), {point_light({1, 1, 1})});
+  EXPECT_TRUE(played.direct.isApprox(unshadowed.direct, kRounding));
 }
 
 TEST(Evaluator, AtTheRimOfAnOccluderVisibilityIsBetween) {
