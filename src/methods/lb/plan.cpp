@@ -114,7 +114,8 @@ class Planner {
       spec.parameters["cluster"] = c;
       adapt(spec, c);
       if (spec.place.empty() && std::ranges::count(spec.inputs, numbered("rays", c)) > 0) {
-        spec.place = cluster_place(c);
+        // Who knows a region's window has its clusters' neighbourhood, too.
+        spec.place = regions_.several() ? regions_.place_of(c) : cluster_place(c);
       }
       plan_.tasks.push_back(spec);
     }

@@ -52,10 +52,12 @@ std::string Regions::light_functions(std::size_t r) const {
   return several() ? numbered("window_functions", r) : "light_functions";
 }
 
+std::string Regions::place(std::size_t r) { return numbered("region", r); }
+
 void Regions::place(TaskSpec& spec, std::size_t r) const {
   if (!several()) return;
   spec.parameters["region"] = r;
-  spec.place = numbered("region", r);  // its tasks read the same window
+  spec.place = place(r);  // its tasks read the same window
   spec.inputs.emplace_back(kWindowsTask);
 }
 

@@ -53,6 +53,9 @@ class Regions {
   /// Makes a task work in a region's window (scene_part.h), on a rank that works there: the last
   /// thing to do to its inputs.
   void place(TaskSpec& spec, std::size_t r) const;
+  /// TaskSpec::place of a region's tasks, and of those of cluster c's region.
+  [[nodiscard]] static std::string place(std::size_t r);
+  [[nodiscard]] std::string place_of(std::size_t c) const { return place(of(c)); }
   /// Regions whose example lights are known to reach each cluster: those in whose windows it is.
   [[nodiscard]] std::vector<std::vector<std::size_t>> lit_by() const;
   /// Example lights of each region, so that a cluster has about `wanted` of the regions that light
