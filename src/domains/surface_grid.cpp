@@ -146,7 +146,8 @@ void SurfaceGrid::list_samples(std::uint32_t triangle, std::size_t local,
   const std::size_t on_side = local % of_side;
   const Vec3f normal = side * triangle_normal(*scene_, triangle);
   const float u = static_cast<float>(on_side % patch.columns) + 0.5F;
-  const float v = static_cast<float>(on_side / patch.columns) + 0.5F;
+  const std::size_t row = on_side / patch.columns;
+  const float v = static_cast<float>(row) + 0.5F;
   const Vec3f middle = origin + u * step_u + v * step_v;
   // Farther samples are rare, and left to the grid.
   const float look = std::min(reach_, kLook * texel_) + half;

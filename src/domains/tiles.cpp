@@ -13,7 +13,7 @@ struct Tiles::Part {
 
 Tiles::Tiles(std::vector<Vec3f> points, std::size_t count) { halve({points, count, {}}); }
 
-void Tiles::halve(Part part) {
+void Tiles::halve(const Part& part) {
   if (part.tiles == 1 || part.points.empty()) {
     boxes_.push_back(part.box);
     return;

@@ -27,7 +27,7 @@ class Tiles {
     Vec3f high = Vec3f::Constant(kInfinity);
   };
   struct Part;
-  void halve(Part part);
+  void halve(const Part& part);
   std::vector<Box> boxes_;
 };
 

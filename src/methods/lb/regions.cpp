@@ -1,6 +1,7 @@
 #include "methods/lb/regions.h"
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 #include <set>
 
@@ -73,6 +74,7 @@ std::size_t Regions::lights(std::size_t wanted, std::size_t least) const {
   if (!several()) return wanted;
   std::size_t windows = 0;
   for (const Region& region : regions_) windows += region.window.size();
+  assert(windows > 0);  // a region is in its own window
   return std::min(wanted, std::max(least, wanted * region_of_.size() / windows));
 }
 

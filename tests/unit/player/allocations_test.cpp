@@ -13,7 +13,7 @@ static const std::size_t allocations = 0;
 constexpr bool kCounts = true;
 static std::size_t allocations = 0;
 
-extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* __libc_malloc(std::size_t size);  // NOLINT(bugprone-reserved-identifier)
 // The C library's, counted: Eigen and operator new both come here.
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
