@@ -187,15 +187,6 @@ void export_light(const SceneLight& light, GltfWriter& writer) {
        {"rotation", quaternion(rotation.normalized())}});
 }
 
-std::vector<std::uint32_t> triangles_by_material(const Scene& scene) {
-  std::vector<std::uint32_t> order(scene.triangles.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return scene.triangles[a].material < scene.triangles[b].material;
-  });
-  return order;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> export_scene(const Scene& scene, GltfWriter& writer) {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace prt {
 
@@ -60,6 +61,15 @@ Vec3f offset_origin(const Scene& scene, const Vec3f& position, const Vec3f& norm
       std::max((position - centre).cwiseAbs().maxCoeff(), scene.diagonal() / 16.0F);
   const float distance = 0x1p-16F * from_centre + 0x1p-21F * position.cwiseAbs().maxCoeff();
   return position + distance * normal;
+}
+
+std::vector<std::uint32_t> triangles_by_material(const Scene& scene) {
+  std::vector<std::uint32_t> order(scene.triangles.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return scene.triangles[a].material < scene.triangles[b].material;
+  });
+  return order;
 }
 
 }  // namespace prt

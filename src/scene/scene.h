@@ -142,6 +142,8 @@ Vec3f triangle_point(const Scene& scene, std::uint32_t triangle, float u, float 
 /// Unit geometric normal by winding (counter-clockwise is front).
 Vec3f triangle_normal(const Scene& scene, std::uint32_t triangle);
 double triangle_area(const Scene& scene, std::uint32_t triangle);
+/// All triangles, those of a material together, in the order of the scene.
+std::vector<std::uint32_t> triangles_by_material(const Scene& scene);
 
 /// Linear RGB albedo in [0, 1] at a point of a triangle: base colour × bilinear texture (sRGB
 /// decoded).

@@ -47,15 +47,6 @@ Name upload(const Texture& texture) {
   return image;
 }
 
-std::vector<std::uint32_t> by_material(const Scene& scene) {
-  std::vector<std::uint32_t> order(scene.triangles.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return scene.triangles[a].material < scene.triangles[b].material;
-  });
-  return order;
-}
-
 }  // namespace
 
 GeometryPass::GeometryPass(const Scene& scene)
@@ -81,7 +72,7 @@ void GeometryPass::upload_triangles(const Scene& scene) {
   std::vector<std::uint32_t> indices;
   std::vector<Eigen::Vector4f> normals;
   std::uint32_t last = kNone;
-  for (const std::uint32_t t : by_material(scene)) {
+  for (const std::uint32_t t : triangles_by_material(scene)) {
     const Triangle& triangle = scene.triangles[t];
     if (triangle.material != last) {
       last = triangle.material;

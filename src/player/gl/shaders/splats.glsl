@@ -135,8 +135,11 @@ void find_weak_kernels(vec3 position, vec3 normal) {
 
 void nearer(uint index, vec3 position, vec3 normal, inout float best, inout uint nearest) {
   vec3 offset = texelFetch(positions, int(index)).xyz - position;
-  float squared = dot(offset, offset);
+  if (dot(offset, offset) > fallback * fallback) return;
   if (dot(texelFetch(normals, int(index)).xyz, normal) < 0.5) return;
+  // squared_distance_off() of domains/samples.h.
+  float height = dot(normal, offset);
+  float squared = dot(offset, offset) + 15.0 * height * height;
   if (squared < best || (squared == best && index < nearest)) {
     best = squared;
     nearest = index;
@@ -145,7 +148,7 @@ void nearer(uint index, vec3 position, vec3 normal, inout float best, inout uint
 
 // Where no kernel reaches: the nearest sample that faces the same way.
 void find_nearest(vec3 position, vec3 normal) {
-  float best = fallback * fallback;
+  float best = 1e38;
   uint nearest = 0xFFFFFFFFu;
   ivec3 low = cell_of(position - fallback, plain_inverse_cell);
   ivec3 high = cell_of(position + fallback, plain_inverse_cell);
