@@ -22,6 +22,12 @@ PlayProgram::PlayProgram(const Package& package) : samples_(package.samples) {
   }
 }
 
+int PlayProgram::emit(Step step) {
+  step.output = new_buffer();
+  steps_.push_back(step);
+  return step.output;
+}
+
 int PlayProgram::whole(const Value& value) {
   if (value.direct_share == 0.0F) return value.rest;
   if (value.direct_share == 1.0F && value.rest == kNothing) return kNothing;
@@ -29,9 +35,7 @@ int PlayProgram::whole(const Value& value) {
   step.kind = Kind::kAddDirect;
   step.a = value.rest;
   step.direct_share = value.direct_share;
-  step.output = new_buffer();
-  steps_.push_back(step);
-  return step.output;
+  return emit(step);
 }
 
 PlayProgram::Value PlayProgram::apply(const PlayOperator& op, const Value& input) {
@@ -39,9 +43,7 @@ PlayProgram::Value PlayProgram::apply(const PlayOperator& op, const Value& input
   step.op = &op;
   step.a = whole(input);
   step.layout = input.layout;
-  step.output = new_buffer();
   Value value;
-  value.rest = step.output;
   if (const auto* projection = std::get_if<PlayProjection>(&op)) {
     step.kind = Kind::kProject;
     value.layout = &projection->layout();
@@ -51,7 +53,7 @@ PlayProgram::Value PlayProgram::apply(const PlayOperator& op, const Value& input
   } else {
     step.kind = Kind::kTransfer;
   }
-  steps_.push_back(step);
+  value.rest = emit(step);
   return value;
 }
 
@@ -63,9 +65,7 @@ PlayProgram::Value PlayProgram::add(const Value& a, const Value& b) {
   step.kind = Kind::kAdd;
   step.a = a.rest;
   step.b = b.rest;
-  step.output = new_buffer();
-  steps_.push_back(step);
-  sum.rest = step.output;
+  sum.rest = emit(step);
   return sum;
 }
 

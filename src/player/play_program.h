@@ -49,6 +49,8 @@ class PlayProgram {
     const std::vector<std::uint32_t>* layout = nullptr;
   };
   int new_buffer() { return buffers_++; }
+  /// Adds a step that writes a buffer of its own; that buffer.
+  int emit(Step step);
   /// The value in one buffer; kNothing stands for direct light itself.
   int whole(const Value& value);
   Value apply(const PlayOperator& op, const Value& input);
