@@ -118,6 +118,19 @@ class Visits {
 
 }  // namespace
 
+std::vector<Vec3f> cluster_centres(std::span<const Vec3f> positions,
+                                   std::span<const std::uint32_t> cluster_begin) {
+  std::vector<Vec3f> centres;
+  for (std::size_t c = 0; c + 1 < cluster_begin.size(); ++c) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::uint32_t s = cluster_begin[c]; s < cluster_begin[c + 1]; ++s) {
+      sum += positions[s].cast<double>();
+    }
+    centres.emplace_back((sum / (cluster_begin[c + 1] - cluster_begin[c])).cast<float>());
+  }
+  return centres;
+}
+
 std::vector<std::vector<std::uint32_t>> make_regions(std::span<const Vec3f> centres,
                                                      std::size_t most) {
   std::vector<Clusters> regions;

@@ -30,6 +30,11 @@ struct Region {
   double left_out = 0.0;
 };
 
+/// Mean position of each cluster's samples. `positions`: of all samples; `cluster_begin`: clusters
+/// + 1, see SampleSet.
+std::vector<Vec3f> cluster_centres(std::span<const Vec3f> positions,
+                                   std::span<const std::uint32_t> cluster_begin);
+
 /// The fewest regions of at most `most` clusters, of about equal size: split again and again along
 /// the longest side of their centres' box.
 std::vector<std::vector<std::uint32_t>> make_regions(std::span<const Vec3f> centres,

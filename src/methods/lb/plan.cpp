@@ -57,6 +57,10 @@ class Planner {
     const auto samples = in_.result(kSamplesTask);
     begin_ = samples->vector<std::uint32_t>("cluster_begin");
     plan_.results = {kSamplesTask};
+    places_ = cluster_places(*samples, most_region_clusters(options_, clusters_));
+    for (TaskSpec& task : plan_.tasks) {
+      if (task.kind == "rays") task.place = places_[task.parameters["cluster"].get<std::size_t>()];
+    }
     plan_visibility();
     const auto albedo = in_.result(kAlbedoTask);
     if (!albedo) return;
@@ -114,8 +118,7 @@ class Planner {
       spec.parameters["cluster"] = c;
       adapt(spec, c);
       if (spec.place.empty() && std::ranges::count(spec.inputs, numbered("rays", c)) > 0) {
-        // Who knows a region's window has its clusters' neighbourhood, too.
-        spec.place = regions_.several() ? regions_.place_of(c) : cluster_place(c);
+        spec.place = places_[c];
       }
       plan_.tasks.push_back(spec);
     }
@@ -470,6 +473,7 @@ class Planner {
   Plan& plan_;
   std::size_t clusters_ = 0;
   Regions regions_;
+  std::vector<std::string> places_;  // TaskSpec::place of what reads each cluster's rays
   std::vector<std::uint32_t> begin_;
   int channels_ = 3;
   int bounces_ = -1;

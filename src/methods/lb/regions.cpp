@@ -22,6 +22,21 @@ std::size_t most_window_clusters(std::size_t most_region_clusters) {
   return std::max(kWindowClusters, 3 * most_region_clusters);
 }
 
+std::vector<std::string> cluster_places(const Artifact& samples, std::size_t most) {
+  const auto begin = samples.values<std::uint32_t>("cluster_begin");
+  const std::size_t clusters = begin.size() - 1;
+  std::vector<std::string> places(clusters);
+  if (clusters <= most) {
+    for (std::size_t c = 0; c < clusters; ++c) places[c] = cluster_place(c);
+    return places;
+  }
+  const auto regions = make_regions(cluster_centres(samples.points("position"), begin), most);
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (const std::uint32_t c : regions[r]) places[c] = Regions::place(r);
+  }
+  return places;
+}
+
 std::vector<std::string> numbered_all(const std::string& stage,
                                       const std::vector<std::uint32_t>& clusters) {
   std::vector<std::string> ids;

@@ -7,6 +7,7 @@
 #include "domains/windows.h"
 #include "jobs/task.h"
 #include "methods/options.h"
+#include "store/artifact.h"
 
 namespace prt::lb {
 
@@ -24,6 +25,11 @@ std::size_t most_region_clusters(const OptionValues& options, std::size_t cluste
 
 /// Most clusters of the windows of such regions: room for as many again on either side.
 std::size_t most_window_clusters(std::size_t most_region_clusters);
+
+/// TaskSpec::place of what casts or reads each cluster's rays. Regions of at most `most` clusters
+/// are known from the samples alone (make_regions), so whoever casts a region's rays has its
+/// neighbourhood in memory when its window is worked on. `samples`: see store/samples_io.h.
+std::vector<std::string> cluster_places(const Artifact& samples, std::size_t most);
 
 /// Names "stage/0007" of some clusters' tasks.
 std::vector<std::string> numbered_all(const std::string& stage,
@@ -53,9 +59,8 @@ class Regions {
   /// Makes a task work in a region's window (scene_part.h), on a rank that works there: the last
   /// thing to do to its inputs.
   void place(TaskSpec& spec, std::size_t r) const;
-  /// TaskSpec::place of a region's tasks, and of those of cluster c's region.
+  /// TaskSpec::place of a region's tasks.
   [[nodiscard]] static std::string place(std::size_t r);
-  [[nodiscard]] std::string place_of(std::size_t c) const { return place(of(c)); }
   /// Regions whose example lights are known to reach each cluster: those in whose windows it is.
   [[nodiscard]] std::vector<std::vector<std::size_t>> lit_by() const;
   /// Example lights of each region, so that a cluster has about `wanted` of the regions that light

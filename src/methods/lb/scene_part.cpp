@@ -237,18 +237,6 @@ VectorD cluster_albedo(const SampleSet& samples, const MatrixF& albedo, const Ve
   return mean;
 }
 
-std::vector<Vec3f> cluster_centres(const SampleSet& samples) {
-  std::vector<Vec3f> centres;
-  for (std::size_t c = 0; c < samples.clusters(); ++c) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::uint32_t s = samples.cluster_begin[c]; s < samples.cluster_begin[c + 1]; ++s) {
-      sum += samples.positions[s].cast<double>();
-    }
-    centres.emplace_back((sum / samples.cluster_size(c)).cast<float>());
-  }
-  return centres;
-}
-
 }  // namespace
 
 Artifact run_windows(const TaskSpec& task, const TaskReader& reader) {
@@ -270,9 +258,10 @@ Artifact run_windows(const TaskSpec& task, const TaskReader& reader) {
   const auto& p = task.parameters;
   const VectorD albedo = cluster_albedo(samples, reader.input(1)->matrix("albedo"), areas);
   const VectorD lit = uniform_irradiance(exchange, albedo);
+  const auto regions = make_regions(cluster_centres(samples.positions, samples.cluster_begin),
+                                    p["region_clusters"].get<std::size_t>());
   return put_regions(
-      find_windows(make_regions(cluster_centres(samples), p["region_clusters"].get<std::size_t>()),
-                   exchange, albedo, areas, lit,
+      find_windows(regions, exchange, albedo, areas, lit,
                    {p["tolerance"].get<double>(), p["most_clusters"].get<std::size_t>()}),
       lit.maxCoeff());
 }

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "methods/lb/lb.h"
+#include "methods/lb/regions.h"
 #include "methods/lb/scene_part.h"
 #include "scene/load.h"
 #include "statistical/test_scenes.h"
@@ -136,6 +137,30 @@ TEST(LbRegions, NameNoMoreInputsThanTheirWindowsHave) {
     solves += task.kind == "solve" ? 1 : 0;
   }
   EXPECT_EQ(solves, regions.size());  // the box is grey
+}
+
+TEST(LbRegions, WhoCastsAClustersRaysWorksInItsWindow) {
+  OptionValues options = tiny_bake();
+  options.set("samples.cluster_size", 20);
+  options.set("lb.region_clusters", 3);
+  test::InProcessBake bake(closed_box(), options);
+  const Plan plan = bake.run(lb_method());
+  const auto regions = lb::get_regions(*bake.result(lb::kWindowsTask));
+  ASSERT_GT(regions.size(), 1U);
+  std::map<std::size_t, std::size_t> region_of;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    for (const std::uint32_t c : regions[r].clusters) region_of[c] = r;
+  }
+  std::map<std::string, std::size_t> placed;
+  for (const TaskSpec& task : plan.tasks) {
+    if (!task.parameters.contains("cluster")) continue;
+    const auto cluster = task.parameters["cluster"].get<std::size_t>();
+    EXPECT_EQ(task.place, lb::Regions::place(region_of.at(cluster))) << task.id;
+    ++placed[task.kind];
+  }
+  for (const char* kind : {"rays", "reach", "near", "light_basis", "transfer"}) {
+    EXPECT_EQ(placed[kind], region_of.size()) << kind;
+  }
 }
 
 TEST(LbKeys, ChangedMaterialsCastNoRayAgain) {
