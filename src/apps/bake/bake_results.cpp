@@ -51,6 +51,7 @@ class Results {
       : facts_(facts), plan_(plan), result_(result), history_(history), folder_(folder), fs_(fs) {}
 
   void write() {
+    const double began = facts_.program.clock();
     encode();
     if (!plan_.time_limit.is_null()) {
       // Once, so that report and log tell the same; writing them is all that follows.
@@ -64,6 +65,7 @@ class Results {
       // Gone for good before anything changes that it vouches for.
       if (fs_.remove(file(kCompleteName))) fs_.sync_dir(folder_.path());
       replace_file(fs_, file(package_name()), package_);
+      package_seconds_ = facts_.program.clock() - began;
       write_folder_index();
       write_report();
       replace_file(fs_, file(kCompleteName), bytes_of(marker()));
@@ -148,6 +150,7 @@ class Results {
     report["time_limit"] = time_limit_;
     report["error_of_light"] = error_of_light_;
     constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+    report["this_run"]["package_seconds"] = package_seconds_;
     replace_file(fs_, file(kReportName), bytes_of(report.dump(2, ' ', false, kReplace) + "\n"));
     replace_file(fs_, file(kPageName), bytes_of(report_page(report, pictures(history), budget())));
   }
@@ -255,6 +258,7 @@ class Results {
   const History& history_;
   BakeFolder& folder_;
   FileSystem& fs_;
+  double package_seconds_ = 0.0;  // assembled from artifacts, encoded and written
   std::vector<std::byte> package_;
   Digest content_;
   Package assembled_;
