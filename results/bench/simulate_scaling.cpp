@@ -96,7 +96,7 @@ void describe(const Workload& workload) {
   fmt::print("chain {}\n", shares(longest_chain(workload.graph)));
   const Machine& m = workload.machine;
   fmt::print("every rank: scene {:.3g} s, ray caster {:.3g} s; package {:.3g} s\n", m.scene_seconds,
-             m.first_task_seconds, m.assembly_per_byte * workload.graph.package_bytes);
+             m.first_task_seconds, m.assembly.at(workload.graph.package_bytes));
 }
 
 void print_rows(const std::vector<Row>& rows) {
@@ -198,7 +198,6 @@ void print_growth(const CityFacts& facts) {
 std::vector<Change> city_changes(std::size_t regions) {
   Change all{.name = "city-all",
              .parts = {{"solve", 4}, {"compare", regions / 8}},
-             .places_by_region = true,
              .scene_share = 0.1,
              .package_share = 1.0 / static_cast<double>(regions)};
   Change slow = all;
@@ -207,7 +206,6 @@ std::vector<Change> city_changes(std::size_t regions) {
   return {all,
           {.name = "city-solve", .parts = {{"solve", 4}}},
           {.name = "city-search-whole", .search_whole = true},
-          {.name = "city-places", .places_by_region = true},
           {.name = "city-scene", .scene_share = 0.1},
           {.name = "city-package",
            .parts = {{"compare", regions / 8}},

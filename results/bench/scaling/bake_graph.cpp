@@ -30,17 +30,16 @@ Scene scene_of(double area) {
 class PretendedBake : public PlanInputs {
  public:
   explicit PretendedBake(const GraphSettings& settings)
-      : s_(settings), scene_(scene_of(settings.area)) {}
+      : s_(settings), scene_(scene_of(settings.area)), samples_(samples()) {}
 
   [[nodiscard]] const Scene& scene() const override { return scene_; }
   [[nodiscard]] const OptionValues& options() const override { return s_.options; }
   [[nodiscard]] std::shared_ptr<const Artifact> result(const std::string& id) const override {
     if (!done_.contains(id)) return nullptr;
+    if (id == kSamplesTask) return samples_;
     auto artifact = std::make_shared<Artifact>();
     if (id == "points") {
       artifact->attributes = {{"spacing", s_.spacing}};
-    } else if (id == kSamplesTask) {
-      put_clusters(*artifact);
     } else if (id == kAlbedoTask) {
       artifact->attributes = {{"largest", 0.5}, {"colour_spread", s_.grey ? 0.0 : 0.5}};
     } else if (id == lb::kWindowsTask) {
@@ -70,16 +69,27 @@ class PretendedBake : public PlanInputs {
   }
 
  private:
-  void put_clusters(Artifact& artifact) const {
+  /// All samples of a cluster at its centre.
+  [[nodiscard]] std::shared_ptr<const Artifact> samples() const {
+    auto artifact = std::make_shared<Artifact>();
     std::vector<std::uint32_t> begin = {0};
     for (const double size : s_.sizes) {
       begin.push_back(begin.back() + static_cast<std::uint32_t>(std::lround(size)));
     }
-    artifact.put<std::uint32_t>("cluster_begin", begin, {begin.size()}, "1", "first samples");
+    artifact->put<std::uint32_t>("cluster_begin", begin, {begin.size()}, "1", "first samples");
+    if (s_.regions.empty()) return artifact;
+    std::vector<Vec3f> positions;
+    positions.reserve(begin.back());
+    for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
+      positions.insert(positions.end(), begin[c + 1] - begin[c], s_.centres.at(c));
+    }
+    artifact->put("position", positions, "m", "sample positions");
+    return artifact;
   }
 
   const GraphSettings& s_;
   Scene scene_;
+  std::shared_ptr<const Artifact> samples_;
   std::set<std::string> done_;
 };
 

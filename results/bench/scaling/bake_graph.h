@@ -63,7 +63,8 @@ struct GraphSettings {
   double area = 1.0;          ///< of all triangles, m²
   double spacing = 0.1;       ///< of the samples, m
   bool grey = false;
-  std::vector<Region> regions;  ///< needed if the options want regions
+  std::vector<Region> regions;  ///< needed if the options want regions ...
+  std::vector<Vec3f> centres;   ///< ... and so are the clusters' centres, of which they are made
   /// What-if: so many tasks in the place of each of a kind, which share out inputs and work.
   std::map<std::string, std::size_t> parts;
 };

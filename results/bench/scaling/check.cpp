@@ -117,6 +117,9 @@ GraphSettings small_bake(bool in_regions) {
   settings.sizes = {500, 1500, 800, 1200, 1000, 900, 1100, 1000};
   if (!in_regions) return settings;
   settings.options.set("lb.region_clusters", 2);
+  for (std::size_t c = 0; c < settings.sizes.size(); ++c) {
+    settings.centres.emplace_back(static_cast<float>(c), 0.0F, 0.0F);
+  }
   settings.regions = {{{0, 1}, {0, 1, 2, 3}, 0.0},
                       {{2, 3}, {0, 1, 2, 3, 4, 5}, 0.0},
                       {{4, 5}, {2, 3, 4, 5, 6, 7}, 0.0},

@@ -80,6 +80,7 @@ MeasuredBake read_bake(const std::filesystem::path& folder) {
       for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
         bake.sizes.push_back(begin[c + 1] - begin[c]);
       }
+      bake.centres = cluster_centres(samples->points("position"), begin);
     } else if (line.task == lb::kWindowsTask) {
       bake.regions = lb::get_regions(*artifact());
     }
@@ -92,6 +93,8 @@ MeasuredBake read_bake(const std::filesystem::path& folder) {
   bake.ranks = report.at("this_run").at("ranks");
   // One thread: what is not in a task is start-up, planning and the package.
   bake.outside_tasks = std::max(0.0, bake.wall_seconds - in_tasks) * cpu / in_tasks;
+  bake.package_seconds =
+      std::min(bake.outside_tasks, report.at("this_run").at("package_seconds").get<double>());
   for (const ManifestEntry& line : lines) {
     if (bake.kinds.contains(line.kind)) continue;
     bake.kinds[line.kind] = figures_of(lines, line.kind, bake.sizes);

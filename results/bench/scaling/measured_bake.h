@@ -28,11 +28,13 @@ struct MeasuredBake {
   double samples = 0.0;
   double spacing = 0.0;         ///< of the samples, m
   std::vector<Region> regions;  ///< empty: the scene was solved for as a whole
+  std::vector<Vec3f> centres;   ///< of the clusters
   double package_bytes = 0.0;
   /// Seconds of start-up, planning and writing the results: wall time, times the share of a core
   /// that the tasks had meanwhile.
   double outside_tasks = 0.0;
-  double wall_seconds = 0.0;  ///< of the bake
+  double package_seconds = 0.0;  ///< of those, for the package
+  double wall_seconds = 0.0;     ///< of the bake
   int ranks = 1;
   std::map<std::string, double> task_seconds;  ///< wall seconds by task id
   std::map<std::string, KindFigures> kinds;
@@ -42,15 +44,15 @@ struct MeasuredBake {
 /// file.
 MeasuredBake read_bake(const std::filesystem::path& folder);
 
-/// value = fixed + growing · reach, for one sample of a cluster; `reach`: clusters that the task's
-/// result may refer to.
+/// value = fixed + growing · size: seconds or bytes per sample of a cluster over the clusters that
+/// the task's result may refer to, or seconds over bytes.
 struct Law {
   double fixed = 0.0;
   double growing = 0.0;
-  [[nodiscard]] double at(double reach) const { return fixed + growing * reach; }
+  [[nodiscard]] double at(double size) const { return fixed + growing * size; }
 };
 
 /// Least squares, neither below zero.
-Law fit_law(const std::vector<std::pair<double, double>>& reach_and_value);
+Law fit_law(const std::vector<std::pair<double, double>>& size_and_value);
 
 }  // namespace prt::scaling

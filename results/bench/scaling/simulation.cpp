@@ -224,7 +224,7 @@ class Simulation {
     }
     if (std::holds_alternative<StageDone>(command)) return plan(at);
     if (std::holds_alternative<AllDone>(command)) {
-      end_ = at + m_.assembly_per_byte * graph_.package_bytes;
+      end_ = at + m_.assembly.at(graph_.package_bytes);
     } else if (const auto* fail = std::get_if<Fail>(&command)) {
       throw std::logic_error(fail->message);
     }

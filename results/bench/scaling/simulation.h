@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "scaling/bake_graph.h"
+#include "scaling/measured_bake.h"
 
 namespace prt::scaling {
 
@@ -22,8 +23,8 @@ struct Machine {
   double scene_seconds = 0.1;       ///< every rank loads the scene
   double first_task_seconds = 0.1;  ///< and makes a ray caster and a neighbour search
   double decode_per_byte = 3e-9;    ///< CPU seconds per byte read, as prt_inspect --verify takes
-  double assembly_per_byte = 0.0;   ///< seconds per byte of the package
-  double heartbeat = 5.0;           ///< every rank says that it is there, s
+  Law assembly = {};       ///< seconds of start-up, planning and a package of so many bytes
+  double heartbeat = 5.0;  ///< every rank says that it is there, s
   /// The coordinator's own work is measured while it runs, and takes that time in the simulation.
   bool charge_coordinator = true;
 };

@@ -9,7 +9,6 @@
 #include <set>
 #include <stdexcept>
 
-#include "methods/common/inputs.h"
 #include "methods/common/sampling.h"
 #include "methods/lb/regions.h"
 
@@ -74,6 +73,7 @@ GraphSettings measured_settings(const MeasuredBake& bake, double area) {
   settings.area = area;
   settings.spacing = bake.spacing;
   settings.regions = bake.regions;
+  settings.centres = bake.centres;
   const std::size_t systems = std::max<std::size_t>(1, bake.regions.size());
   settings.grey = bake.kinds.at("solve").tasks == systems;
   return settings;
@@ -225,7 +225,7 @@ void change_machine(Machine& machine, const Change& change) {
   machine.poll *= change.poll_share;
   machine.scene_seconds *= change.scene_share;
   machine.first_task_seconds *= change.scene_share;
-  machine.assembly_per_byte *= change.package_share;
+  machine.assembly.growing *= change.package_share;
   if (change.forgets) machine.cache_bytes = 0.0;
 }
 
@@ -233,19 +233,17 @@ void change_loads(BakeGraph& graph, const GraphSettings& settings, const Change&
   const std::size_t clusters = settings.sizes.size();
   const std::vector<std::size_t> region_of = regions_of_clusters(settings.regions, clusters);
   for (std::size_t i = 0; i < graph.tasks.size(); ++i) {
-    TaskSpec& task = graph.tasks[i];
+    const TaskSpec& task = graph.tasks[i];
     Load& load = graph.loads[i];
     load.is_kept = change.keeps_rays && task.kind == "rays";
     load.use_seconds *= change.search_share;
     if (settings.regions.empty()) continue;
+    if (change.search_whole) continue;  // else what a window's rays hit
     const auto& p = task.parameters;
     std::size_t region = i % settings.regions.size();
     const auto cluster = cluster_of(task);
-    const bool has_region = p.contains("region") || cluster;
     if (p.contains("region")) region = p["region"].get<std::size_t>();
     if (cluster) region = region_of.at(*cluster);
-    if (change.places_by_region && has_region) task.place = numbered("region", region);
-    if (change.search_whole) continue;  // else what a window's rays hit
     load.search_part = region;
     load.search_share =
         static_cast<double>(settings.regions[region].window.size()) / static_cast<double>(clusters);
@@ -256,7 +254,9 @@ Machine machine_of(const BakeFacts& facts) {
   Machine machine;
   machine.scene_seconds = 0.5e-6 * facts.set_up.triangles + 0.05;
   machine.first_task_seconds = facts.set_up.caster_seconds;
-  machine.assembly_per_byte = facts.bake.outside_tasks / facts.bake.package_bytes;
+  const MeasuredBake& bake = facts.bake;
+  machine.assembly = {bake.outside_tasks - bake.package_seconds,
+                      bake.package_seconds / bake.package_bytes};
   return machine;
 }
 
@@ -309,20 +309,20 @@ Workload replayed_workload(const BakeFacts& facts) {
 }
 
 CityPlan plan_city(std::size_t clusters, std::size_t window) {
-  CityPlan plan{.clusters = clusters, .regions = {}, .windows_seconds = 0.0};
+  CityPlan plan;
+  plan.clusters = clusters;
   if (clusters <= lb::kWholeClusters) return plan;
   const Grid grid{clusters};
   const ClusterExchange exchange = city_exchange(grid);
-  std::vector<Vec3f> centres;
   for (std::size_t c = 0; c < clusters; ++c) {
-    centres.emplace_back(static_cast<float>(grid.x(c)), static_cast<float>(grid.y(c)), 0.0F);
+    plan.centres.emplace_back(static_cast<float>(grid.x(c)), static_cast<float>(grid.y(c)), 0.0F);
   }
   const auto n = static_cast<Eigen::Index>(clusters);
   plan.windows_seconds = timed([&] {
     const VectorD albedo = VectorD::Constant(n, 0.5);
-    plan.regions =
-        find_windows(make_regions(centres, lb::kRegionClusters), exchange, albedo, VectorD::Ones(n),
-                     uniform_irradiance(exchange, albedo), {.most_clusters = window});
+    plan.regions = find_windows(make_regions(plan.centres, lb::kRegionClusters), exchange, albedo,
+                                VectorD::Ones(n), uniform_irradiance(exchange, albedo),
+                                {.most_clusters = window});
   });
   return plan;
 }
@@ -336,6 +336,7 @@ Workload city_workload(const CityFacts& facts, const CityPlan& plan, const Chang
   settings.options.set("samples.count", static_cast<std::size_t>(samples));
   settings.sizes = city_sizes(middle.bake, plan.clusters);
   settings.regions = plan.regions;
+  settings.centres = plan.centres;
   Machine machine = machine_of(middle);
   const double triangles = kCityTrianglesPerSample * samples;
   machine.scene_seconds = 0.5e-6 * triangles;

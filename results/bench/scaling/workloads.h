@@ -24,11 +24,10 @@ struct Change {
   std::map<std::string, std::size_t> parts = {};  ///< GraphSettings::parts
   bool even_clusters = false;                     ///< all of the mean size
   double search_share = 1.0;                      ///< of today's neighbour search, per rank
-  bool search_whole = false;      ///< made for all of the scene by every rank, as it once was
-  bool places_by_region = false;  ///< a region's tasks run on one rank unless somebody would wait
-  bool keeps_rays = false;        ///< whoever reads rays has them in memory
-  bool forgets = false;           ///< a rank keeps nothing from task to task
-  double bandwidth_share = 1.0;   ///< of the file system's
+  bool search_whole = false;     ///< made for all of the scene by every rank, as it once was
+  bool keeps_rays = false;       ///< whoever reads rays has them in memory
+  bool forgets = false;          ///< a rank keeps nothing from task to task
+  double bandwidth_share = 1.0;  ///< of the file system's
   double poll_share = 1.0;
   double scene_share = 1.0;    ///< of loading the scene and making the ray caster, per rank
   double package_share = 1.0;  ///< of writing the package
@@ -59,6 +58,7 @@ struct CityFacts {
 struct CityPlan {
   std::size_t clusters = 0;
   std::vector<Region> regions;   ///< empty: solved for as a whole
+  std::vector<Vec3f> centres;    ///< of the clusters
   double windows_seconds = 0.0;  ///< CPU, of finding the regions' windows
 };
 /// `window`: most clusters of a region's window, and in a big city the number that it has.
