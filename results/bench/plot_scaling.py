@@ -42,7 +42,7 @@ def main():
         share.plot(ranks, goal, "k*", markersize=9)
     share.annotate("goals for the city", (100, 0.8), (130, 0.86), fontsize=8)
     speed.set(xscale="log", yscale="log", xlabel="ranks", ylabel="speed-up (simulated)")
-    share.set(xscale="log", ylim=(0, 1.15), xlabel="ranks", ylabel="efficiency (simulated)")
+    share.set(xscale="log", ylim=(0, 1.35), xlabel="ranks", ylabel="efficiency (simulated)")
     speed.legend(fontsize=7)
     for axes in (speed, share):
         axes.grid(True, which="major", color="0.9")
