@@ -59,7 +59,7 @@ TEXT_SUFFIXES = (".h", ".cpp", ".py", ".cmake", ".txt", ".md", ".yaml", ".json",
 
 
 def is_source(path):
-    return path.startswith(("src/", "tests/", "cmake/")) and path.endswith((".h", ".cpp"))
+    return path.startswith(("src/", "tests/", "cmake/", "examples/")) and path.endswith((".h", ".cpp"))
 
 
 def is_text(path):
