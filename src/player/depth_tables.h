@@ -2,38 +2,43 @@
 // two contiguous rows. Internal to player/.
 #pragma once
 
+#include <array>
+#include <span>
 #include <variant>
 #include <vector>
 
 #include "package/package.h"
-#include "scene/light.h"
+#include "player/direction_cells.h"
 
 namespace prt {
 
-class DepthTables {
-  struct Cluster;
+/// Something that shines, as a surface point sees it.
+struct ShiningPlace {
+  Vec3f to_light;  ///< unit, world
+  float distance;  ///< m; kInfinity from outside the scene
+};
 
+class DepthTables {
  public:
   /// Lays out a package's depth buffers; both must outlive the tables.
   DepthTables(const DepthVisibility& visibility, const SampleSet& samples);
 
-  /// What one sample sees. Good until the next one is asked for on the same thread.
-  class View {
-   public:
-    /// Share of light in [0, 1] that comes from unit direction `to_light` (world) and `distance`
-    /// (m, kInfinity from outside the scene).
-    [[nodiscard]] float visibility(const Vec3f& to_light, float distance) const;
-
-   private:
-    friend class DepthTables;
-    const DepthTables* tables_ = nullptr;
-    const Cluster* cluster_ = nullptr;
-    Mat3f to_local_;
-    Vec3f position_;
-    const float* weights_ = nullptr;  ///< of the basis' numbers: coefficients times their scales
+  /// What a thread works with, for any tables; it grows with what is asked for.
+  struct Scratch {
+    DirectionCells cells;
+    std::vector<float> weights;
+    std::vector<std::uint32_t> asked;      ///< by direction: the question it was last part of
+    std::vector<float> depths;             ///< by direction
+    std::vector<std::int32_t> directions;  ///< asked for now, once each
+    std::uint32_t question = 0;
+    /// So that as many places at once allocate nothing.
+    void make_room(std::size_t places);
   };
-  /// `cluster` is the sample's own.
-  [[nodiscard]] View at(std::uint32_t sample, std::uint32_t cluster) const;
+
+  /// Share of light in [0, 1] that comes from each of the places to a sample; `cluster` is its own.
+  /// Places of one light share directions: each depth is reconstructed once.
+  void visibility(std::uint32_t sample, std::uint32_t cluster, std::span<const ShiningPlace> places,
+                  Scratch& scratch, std::span<float> shares) const;
 
  private:
   /// The basis' numbers as they are stored, directions × stride: rows are padded with zeros to
@@ -49,9 +54,25 @@ class DepthTables {
     std::vector<float> scales;  ///< stride: of the basis' functions
   };
   static Cluster lay_out(const DepthBlock& block, std::size_t directions);
+  void within_walls(std::uint32_t sample, const Cluster& cluster,
+                    std::span<const ShiningPlace> places, std::span<float> shares) const;
+  /// Factors of the basis' numbers at the row of a cluster's coefficients: those times their
+  /// scales.
+  static void weigh(const Cluster& cluster, std::size_t row, std::vector<float>& weights);
+  /// Lists the directions round the first `places` cells.
+  void list_directions(std::size_t places, Scratch& scratch) const;
+  /// Depths of the directions listed.
+  static void reconstruct(const Cluster& cluster, Scratch& scratch);
+  /// The four directions of a cell: next ones in its row and column, or the same at the grid's end.
+  [[nodiscard]] std::array<std::int32_t, 4> corners(std::int32_t corner) const {
+    return {corner, corner + next_across_, corner + next_along_,
+            corner + next_along_ + next_across_};
+  }
 
   const SampleSet* samples_;
   HemisphereDirections directions_;
+  std::int32_t next_across_;
+  std::int32_t next_along_;
   float bound_;
   float bias_;
   std::vector<Cluster> clusters_;

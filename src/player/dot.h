@@ -31,6 +31,10 @@ inline EightFloats load(const std::int16_t* from) {
   const __m128i numbers = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
   return _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(numbers));
 }
+inline EightFloats load(const std::uint16_t* from) {
+  const __m128i numbers = _mm_loadu_si128(reinterpret_cast<const __m128i*>(from));
+  return _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(numbers));
+}
 inline EightFloats load(const std::int8_t* from) {
   const __m128i numbers = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
   return _mm256_cvtepi32_ps(_mm256_cvtepi8_epi32(numbers));
@@ -43,6 +47,15 @@ EightFloats load(const Number* from) {
   return numbers;
 }
 #endif
+
+/// Four numbers from one place and four from another.
+inline EightFloats load_two(const float* low, const float* high) {
+#ifdef __AVX2__
+  return _mm256_set_m128(_mm_loadu_ps(high), _mm_loadu_ps(low));
+#else
+  return EightFloats{low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]};
+#endif
+}
 
 /// Sum over the lanes, in a fixed order.
 inline float sum_of(const EightFloats& v) {
@@ -66,6 +79,31 @@ float dot(const Number* a, const float* b, std::size_t count) {
   float rest = 0.0F;
   for (; i < count; ++i) rest += static_cast<float>(a[i]) * b[i];
   return sum_of(even + odd) + rest;
+}
+
+/// Sums over the lanes of four, in a fixed order.
+inline std::array<float, 4> sums_of(const std::array<EightFloats, 4>& v) {
+  std::array<float, 4> sums{};
+#ifdef __AVX2__
+  const __m256 halves = _mm256_hadd_ps(_mm256_hadd_ps(v[0], v[1]), _mm256_hadd_ps(v[2], v[3]));
+  _mm_storeu_ps(sums.data(),
+                _mm_add_ps(_mm256_castps256_ps128(halves), _mm256_extractf128_ps(halves, 1)));
+#else
+  for (std::size_t k = 0; k < 4; ++k) sums[k] = sum_of(v[k]);
+#endif
+  return sums;
+}
+
+/// Products of four rows with b, which is read once. `count` is whole vectors.
+template <typename Number>
+std::array<float, 4> dot_of_rows(const std::array<const Number*, 4>& rows, const float* b,
+                                 std::size_t count) {
+  std::array<EightFloats, 4> sums{};
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const EightFloats values = load(b + i);
+    for (std::size_t k = 0; k < 4; ++k) sums[k] += load(rows[k] + i) * values;
+  }
+  return sums_of(sums);
 }
 
 /// a · b for three b, `stride` floats apart: a is read once.

@@ -1,5 +1,6 @@
 #include "player/evaluator.h"
 
+#include <cmath>
 #include <optional>
 
 #include "base/parallel.h"
@@ -20,6 +21,43 @@ struct Arrival {
   float visibility = kUnlit;
 };
 
+/// What a thread works with: places on a light that shine on a sample's front, what each brings,
+/// and how much of it arrives.
+struct ArrivalScratch {
+  std::vector<ShiningPlace> places;
+  std::vector<Vec3f> irradiance;  ///< W/m², unshadowed
+  std::vector<float> shares;
+  DepthTables::Scratch depths;
+
+  /// So that a light with as many points allocates nothing.
+  void make_room(std::size_t points) {
+    places.reserve(points);
+    irradiance.reserve(points);
+    shares.reserve(points);
+    depths.make_room(points);
+  }
+};
+
+/// False only where no point of the light is in front of the surface: then none of them needs to be
+/// looked at.
+bool may_shine_on(const Light& light, const Vec3f& position, const Vec3f& normal) {
+  float extent = 0.0F;
+  switch (light.kind) {
+    case Light::Kind::kSphere:
+      extent = light.radius;
+      break;
+    case Light::Kind::kQuad:
+      extent = 0.5F * (std::abs(normal.dot(light.edge_u)) + std::abs(normal.dot(light.edge_v)));
+      break;
+    default:
+      return true;
+  }
+  constexpr float kRounding = 1e-5F;
+  const Vec3f offset = light.position - position;
+  const float size = extent + offset.cwiseAbs().sum() + light.position.cwiseAbs().sum();
+  return normal.dot(offset) + extent + kRounding * size > 0.0F;
+}
+
 }  // namespace
 
 struct Evaluator::Tables {
@@ -30,29 +68,42 @@ struct Evaluator::Tables {
   PlayProgram program;
 
   [[nodiscard]] Arrival arrival(std::uint32_t sample, const Light& light,
-                                std::span<const Vec2f> light_points) const;
+                                std::span<const Vec2f> light_points, ArrivalScratch& work) const;
   /// Adds one light's irradiance to `direct` (3 × n) and sets its visibility at the samples.
   void add_light(const Light& light, std::span<const Vec2f> light_points, MatrixF& direct,
                  std::vector<float>& visibility) const;
 };
 
 Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
-                                   std::span<const Vec2f> light_points) const {
-  Arrival at;
-  std::optional<DepthTables::View> view;  // many samples face away
-  float power = 0.0F;
-  float seen = 0.0F;
+                                   std::span<const Vec2f> light_points,
+                                   ArrivalScratch& work) const {
+  const Vec3f& position = samples.positions[sample];
+  const Vec3f& normal = samples.normals[sample];
+  if (!may_shine_on(light, position, normal)) return {};
+  work.places.clear();
+  work.irradiance.clear();
   for (const Vec2f& uv : light_points) {
-    const IncidentLight incident = incident_light(light, samples.positions[sample], uv.x(), uv.y());
-    const float cosine = samples.normals[sample].dot(incident.to_light);
+    const IncidentLight incident = incident_light(light, position, uv.x(), uv.y());
+    const float cosine = normal.dot(incident.to_light);
     if (!(cosine > 0.0F)) continue;
     const Vec3f irradiance = cosine * incident.irradiance;
-    if (depths && !view) view = depths->at(sample, cluster_of_sample[sample]);
-    const float share = view ? view->visibility(incident.to_light, incident.distance) : 1.0F;
-    at.irradiance += share * irradiance;
-    const float weight = irradiance.sum();
+    if (irradiance == Vec3f::Zero()) continue;  // outside a spot's cone, or behind a quad
+    work.places.push_back({incident.to_light, incident.distance});
+    work.irradiance.push_back(irradiance);
+  }
+  if (work.places.empty()) return {};
+  work.shares.assign(work.places.size(), 1.0F);
+  if (depths) {
+    depths->visibility(sample, cluster_of_sample[sample], work.places, work.depths, work.shares);
+  }
+  Arrival at;
+  float power = 0.0F;
+  float seen = 0.0F;
+  for (std::size_t k = 0; k < work.places.size(); ++k) {
+    const float weight = work.irradiance[k].sum();
+    at.irradiance += work.shares[k] * work.irradiance[k];
     power += weight;
-    seen += share * weight;
+    seen += work.shares[k] * weight;
   }
   if (!(power > 0.0F)) return {};
   at.irradiance /= static_cast<float>(light_points.size());
@@ -64,8 +115,11 @@ void Evaluator::Tables::add_light(const Light& light, std::span<const Vec2f> lig
                                   MatrixF& direct, std::vector<float>& visibility) const {
   visibility.resize(samples.size());
   parallel_for(samples.size(), kSampleGrain, threads, [&](std::size_t begin, std::size_t end) {
+    thread_local ArrivalScratch scratch;
+    ArrivalScratch& work = scratch;
+    work.make_room(light_points.size());
     for (std::size_t i = begin; i < end; ++i) {
-      const Arrival at = arrival(static_cast<std::uint32_t>(i), light, light_points);
+      const Arrival at = arrival(static_cast<std::uint32_t>(i), light, light_points, work);
       direct.col(static_cast<Eigen::Index>(i)) += at.irradiance;
       visibility[i] = at.visibility;
     }

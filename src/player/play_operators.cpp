@@ -1,7 +1,7 @@
 #include "player/play_operators.h"
 
 #include <algorithm>
-#include <cstring>
+#include <array>
 
 #include "base/parallel.h"
 #include "player/dot.h"
@@ -12,8 +12,45 @@ namespace {
 /// A cluster is one piece of parallel work: no sum crosses clusters, so threads change no result.
 constexpr std::size_t kClusterGrain = 1;
 constexpr std::size_t kReceiverGrain = 2048;
-/// Red, green, blue and a zero: one load fetches all of a sender, wherever it lies.
-using Colour = float __attribute__((vector_size(4 * sizeof(float))));
+/// The sum over senders of share · colour; colours are four floats each, red, green, blue and a
+/// zero. Two senders fill a register, and eight shares are turned into floats at once.
+class NearSum {
+ public:
+  NearSum(const NearTransfer& near, const float* colours)
+      : senders_(near.senders.data()), shares_(near.shares.data()), colours_(colours) {}
+
+  [[nodiscard]] std::array<float, 3> of(std::uint32_t begin, std::uint32_t end) const {
+    EightFloats even{};
+    EightFloats odd{};  // two sums side by side: an addition takes longer than a load
+    std::uint32_t k = begin;
+    for (; k + kLanes <= end; k += kLanes) {
+      const EightFloats s = load(shares_ + k);
+      even += __builtin_shufflevector(s, s, 0, 0, 0, 0, 1, 1, 1, 1) * colours_of(k, k + 1);
+      odd += __builtin_shufflevector(s, s, 2, 2, 2, 2, 3, 3, 3, 3) * colours_of(k + 2, k + 3);
+      even += __builtin_shufflevector(s, s, 4, 4, 4, 4, 5, 5, 5, 5) * colours_of(k + 4, k + 5);
+      odd += __builtin_shufflevector(s, s, 6, 6, 6, 6, 7, 7, 7, 7) * colours_of(k + 6, k + 7);
+    }
+    for (; k + 2 <= end; k += 2) even += both(shares_[k], shares_[k + 1]) * colours_of(k, k + 1);
+    if (k < end) odd += both(shares_[k], 0) * colours_of(k, k);
+    even += odd;
+    return {even[0] + even[4], even[1] + even[5], even[2] + even[6]};
+  }
+
+ private:
+  [[nodiscard]] EightFloats colours_of(std::uint32_t a, std::uint32_t b) const {
+    return load_two(colours_ + std::size_t{4} * senders_[a],
+                    colours_ + std::size_t{4} * senders_[b]);
+  }
+  static EightFloats both(std::uint16_t a, std::uint16_t b) {
+    const auto x = static_cast<float>(a);
+    const auto y = static_cast<float>(b);
+    return EightFloats{x, x, x, x, y, y, y, y};
+  }
+
+  const std::uint32_t* senders_;
+  const std::uint16_t* shares_;
+  const float* colours_;
+};
 
 }  // namespace
 
@@ -114,30 +151,14 @@ void PlayNear::apply(const MatrixF& irradiance, unsigned threads, MatrixF& exita
     exitant(i, 3) = 0.0F;
   }
   received.resize(3, n);
-  const std::uint32_t* senders = near_->senders.data();
-  const std::uint16_t* shares = near_->shares.data();
-  const float* colours = exitant.data();
-  const auto sent = [&](std::uint32_t k) {
-    Colour colour;
-    std::memcpy(&colour, colours + std::size_t{4} * senders[k], sizeof colour);
-    return static_cast<float>(shares[k]) * colour;
-  };
+  const NearSum sum(*near_, exitant.data());
   parallel_for(static_cast<std::size_t>(n), kReceiverGrain, threads,
                [&](std::size_t begin, std::size_t end) {
                  for (std::size_t r = begin; r < end; ++r) {
-                   // Two sums side by side: an addition takes longer than a load.
-                   Colour even{};
-                   Colour odd{};
-                   std::uint32_t k = near_->begin[r];
-                   const std::uint32_t last = near_->begin[r + 1];
-                   for (; k + 2 <= last; k += 2) {
-                     even += sent(k);
-                     odd += sent(k + 1);
-                   }
-                   if (k < last) even += sent(k);
-                   even += odd;
-                   for (Eigen::Index c = 0; c < 3; ++c) {
-                     received(c, static_cast<Eigen::Index>(r)) = even[c];
+                   const auto colour = sum.of(near_->begin[r], near_->begin[r + 1]);
+                   for (std::size_t c = 0; c < 3; ++c) {
+                     received(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(r)) =
+                         colour[c];
                    }
                  }
                });
