@@ -126,6 +126,53 @@ TEST_F(GlPictures, ShowEachEyeItsOwnView) {
   EXPECT_GT(test::difference(halves[0], halves[1], kWidth, kHeight).mean, kMeanDifference);
 }
 
+/// A room whose samples are too far apart for their kernels, and above the floor a second sheet of
+/// samples of another cluster: what is nearest hangs on how much more height counts.
+Package room_of_few_samples() {
+  Package room = test::synthetic_room({.samples_per_edge = 6});
+  SampleSet& samples = room.samples;
+  for (std::size_t i = 0; i < samples.size(); ++i) samples.radii[i] *= 0.15F;
+  for (std::uint32_t i = samples.cluster_begin[1]; i < samples.cluster_begin[2]; ++i) {
+    samples.positions[i].x() += 0.25F;
+    samples.positions[i].y() = 0.12F;
+    samples.normals[i] = Vec3f::UnitY();
+  }
+  return room;
+}
+
+TEST(GlFallback, TakesTheNearestSampleWhereNoKernelReaches) {
+  const gl::OffscreenContext context;
+  const Package room = room_of_few_samples();
+  const Evaluator cpu(room);
+  std::size_t fallen_back = 0;
+  std::vector<SplatWeight> weights;
+  for (int k = 0; k < 100; ++k) {
+    const Vec3f place(0.5F + 0.3F * static_cast<float>(k % 10), 0.0F,
+                      0.5F + 0.4F * static_cast<float>(k / 10));
+    cpu.splats().weights_at(place, Vec3f::UnitY(), weights);
+    if (weights.size() != 1) continue;
+    const std::uint32_t nearest = weights[0].sample;
+    const float reach = kSplatReach * cpu.splats().radius(nearest);
+    if ((room.samples.positions[nearest] - place).norm() > reach) ++fallen_back;
+  }
+  EXPECT_GT(fallen_back, 30U);
+
+  const SceneCamera from = camera({2.0F, 2.8F, 2.4F}, {2.0F, 0.0F, 2.5F}, 1.4F);
+  const auto lights = test::lights_of_every_kind().front().lights;
+  gl::GlRenderer gl(room);
+  gl::GlView view(kWidth, kHeight);
+  gl.set_lights(lights);
+  for (const Show show : {Show::kClusters, Show::kFull}) {
+    const Picture expected =
+        render(cpu, cpu.evaluate(lights), from,
+               {.width = kWidth, .height = kHeight, .show = show, .exposure = 1.0F});
+    gl.draw(view, from, {show, 1.0F});
+    const auto apart = test::difference(view.pixels(), expected.rgb, kWidth, kHeight);
+    EXPECT_LE(apart.mean, kMeanDifference);
+    EXPECT_LE(apart.worst_block, kBlockDifference);
+  }
+}
+
 /// What is kept while the camera stands still must not outlive its move, nor that of the light.
 TEST_F(GlPictures, FollowCameraAndLight) {
   const auto lights = test::lights_of_every_kind();

@@ -23,6 +23,11 @@ int bits_of(const ClusterTransfer& transfer, QuantisedMatrix ReceiverTransfer::*
   return QuadRows::bits_of(all);
 }
 
+/// A shader that reads matrices of so many bits.
+Program matrix_program(const char* source, int bits) {
+  return Program::compute({"matrix.glsl", source}, bits == 32 ? "#define FLOAT_MATRIX\n" : "");
+}
+
 struct ProjectionRows {
   explicit ProjectionRows(int bits) : blocks(bits) {}
   QuadRows blocks;
@@ -123,8 +128,7 @@ CoefficientLayout::CoefficientLayout(const ClusterProjection& projection) : quad
 
 ProjectionPass::ProjectionPass(const ClusterProjection& projection, const SampleSet& samples)
     : layout_(projection),
-      parts_(Program::compute({"project.glsl"},
-                              bits_of(projection.blocks) == 32 ? "#define FLOAT_MATRIX\n" : "")),
+      parts_(matrix_program("project.glsl", bits_of(projection.blocks))),
       sum_(Program::compute({"project_sum.glsl"})) {
   const ProjectionRows made = projection_rows(projection, samples, layout_);
   rows_count_ = static_cast<int>(made.scales.size());
@@ -161,12 +165,10 @@ TransferPass::TransferPass(const ClusterTransfer& transfer, const CoefficientLay
     : buffers_(&buffers),
       channel_quads_(layout.channel_quads()),
       coloured_(transfer.channels == 1 ? 0 : 1),
-      to_reduced_(Program::compute(
-          {"transfer_right.glsl"},
-          bits_of(transfer, &ReceiverTransfer::right) == 32 ? "#define FLOAT_MATRIX\n" : "")),
-      to_samples_(Program::compute(
-          {"transfer_left.glsl"},
-          bits_of(transfer, &ReceiverTransfer::left) == 32 ? "#define FLOAT_MATRIX\n" : "")) {
+      to_reduced_(
+          matrix_program("transfer_right.glsl", bits_of(transfer, &ReceiverTransfer::right))),
+      to_samples_(
+          matrix_program("transfer_left.glsl", bits_of(transfer, &ReceiverTransfer::left))) {
   TransferRows made(transfer, layout);
   for (std::uint32_t r = 0; r < transfer.receivers.size(); ++r) {
     made.add(transfer.receivers[r], samples.cluster_begin[r], samples.cluster_size(r));

@@ -28,7 +28,10 @@ Program& SplatPass::program(bool weak) {
 
 Program SplatPass::make_program(const std::string& defines) const {
   constexpr float kLog2E = std::numbers::log2e_v<float>;
-  Program made = Program::graphics({"screen.glsl"}, {"surface.glsl", "splats.glsl"}, defines);
+  const std::string samples = fmt::format(
+      "#define OFF_PLANE {:f}\n#define COMPATIBLE_COSINE {:f}\n", kOffPlane, kCompatibleCosine);
+  Program made =
+      Program::graphics({"screen.glsl"}, {"surface.glsl", "splats.glsl"}, samples + defines);
   made.use();
   made.set("inverse_cell", kernels_.inverse_cell());
   made.set("slot_mask", kernels_.slot_mask());

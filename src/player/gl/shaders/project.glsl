@@ -1,11 +1,6 @@
 // ClusterProjection, first half: parts of each coefficient's sum over the samples of its cluster.
 layout(local_size_x = 64) in;
 
-#ifdef FLOAT_MATRIX
-#define MATRIX_BUFFER samplerBuffer
-#else
-#define MATRIX_BUFFER isamplerBuffer
-#endif
 layout(binding = 0) uniform samplerBuffer irradiance;
 layout(binding = 1) uniform usamplerBuffer rows;  // first quad, quads, first sample, unused
 layout(binding = 2) uniform MATRIX_BUFFER blocks;

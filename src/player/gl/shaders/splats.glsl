@@ -1,6 +1,7 @@
 // Which samples a pixel sees its light through, and how much of each: the elliptical kernels of
 // domains/splats.cpp that reach it. Kept as long as the camera stands still. An entry holds a
-// sample's index in its low 22 bits and its weight above them; 0 ends the list.
+// sample's index in its low 22 bits and its weight above them; 0 ends the list. OFF_PLANE and
+// COMPATIBLE_COSINE are those of domains/samples.h.
 layout(binding = 0) uniform sampler2D position_image;
 layout(binding = 1) uniform usampler2D surface_image;
 layout(binding = 2) uniform samplerBuffer positions;  // xyz, one over the radius
@@ -112,34 +113,40 @@ void find_kernels(vec3 position, vec3 normal) {
   }
 }
 
+// VISIT(index) for every sample in the cells within a distance of a place. A macro, for GLSL hands no
+// function to another.
+#define FOR_ALL_WITHIN(distance, position, VISIT)                                \
+  ivec3 low = cell_of(position - distance, plain_inverse_cell);                  \
+  ivec3 high = cell_of(position + distance, plain_inverse_cell);                 \
+  for (int z = low.z; z <= high.z; ++z) {                                        \
+    for (int y = low.y; y <= high.y; ++y) {                                      \
+      for (int x = low.x; x <= high.x; ++x) {                                    \
+        ivec2 list = list_of(ivec3(x, y, z), plain_cells, plain_slot_mask);      \
+        for (int q = list.x; q < list.y; ++q) {                                  \
+          uvec4 four = texelFetch(plain_lists, q);                               \
+          VISIT(four.x);                                                         \
+          VISIT(four.y);                                                         \
+          VISIT(four.z);                                                         \
+          VISIT(four.w);                                                         \
+        }                                                                        \
+      }                                                                          \
+    }                                                                            \
+  }
+
 // Where samples are sparse: all that the kernels have to say, from every cell in reach.
 void find_weak_kernels(vec3 position, vec3 normal) {
   forget();
-  ivec3 low = cell_of(position - widest, plain_inverse_cell);
-  ivec3 high = cell_of(position + widest, plain_inverse_cell);
-  for (int z = low.z; z <= high.z; ++z) {
-    for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) {
-        ivec2 list = list_of(ivec3(x, y, z), plain_cells, plain_slot_mask);
-        for (int q = list.x; q < list.y; ++q) {
-          uvec4 four = texelFetch(plain_lists, q);
-          reach(four.x, position, normal, smallest);
-          reach(four.y, position, normal, smallest);
-          reach(four.z, position, normal, smallest);
-          reach(four.w, position, normal, smallest);
-        }
-      }
-    }
-  }
+#define REACH(index) reach(index, position, normal, smallest)
+  FOR_ALL_WITHIN(widest, position, REACH)
 }
 
 void nearer(uint index, vec3 position, vec3 normal, inout float best, inout uint nearest) {
   vec3 offset = texelFetch(positions, int(index)).xyz - position;
   if (dot(offset, offset) > fallback * fallback) return;
-  if (dot(texelFetch(normals, int(index)).xyz, normal) < 0.5) return;
+  if (dot(texelFetch(normals, int(index)).xyz, normal) < COMPATIBLE_COSINE) return;
   // squared_distance_off() of domains/samples.h.
   float height = dot(normal, offset);
-  float squared = dot(offset, offset) + 15.0 * height * height;
+  float squared = dot(offset, offset) + (OFF_PLANE * OFF_PLANE - 1.0) * height * height;
   if (squared < best || (squared == best && index < nearest)) {
     best = squared;
     nearest = index;
@@ -150,22 +157,8 @@ void nearer(uint index, vec3 position, vec3 normal, inout float best, inout uint
 void find_nearest(vec3 position, vec3 normal) {
   float best = 1e38;
   uint nearest = 0xFFFFFFFFu;
-  ivec3 low = cell_of(position - fallback, plain_inverse_cell);
-  ivec3 high = cell_of(position + fallback, plain_inverse_cell);
-  for (int z = low.z; z <= high.z; ++z) {
-    for (int y = low.y; y <= high.y; ++y) {
-      for (int x = low.x; x <= high.x; ++x) {
-        ivec2 list = list_of(ivec3(x, y, z), plain_cells, plain_slot_mask);
-        for (int q = list.x; q < list.y; ++q) {
-          uvec4 four = texelFetch(plain_lists, q);
-          nearer(four.x, position, normal, best, nearest);
-          nearer(four.y, position, normal, best, nearest);
-          nearer(four.z, position, normal, best, nearest);
-          nearer(four.w, position, normal, best, nearest);
-        }
-      }
-    }
-  }
+#define NEARER(index) nearer(index, position, normal, best, nearest)
+  FOR_ALL_WITHIN(fallback, position, NEARER)
   if (nearest != 0xFFFFFFFFu) keep(nearest, 1.0);
 }
 

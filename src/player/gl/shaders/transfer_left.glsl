@@ -1,11 +1,6 @@
 // ClusterTransfer, left factor: one invocation per receiving sample.
 layout(local_size_x = 64) in;
 
-#ifdef FLOAT_MATRIX
-#define MATRIX_BUFFER samplerBuffer
-#else
-#define MATRIX_BUFFER isamplerBuffer
-#endif
 layout(binding = 0) uniform samplerBuffer reduced;       // quads
 layout(binding = 1) uniform usamplerBuffer groups;       // sample begin, end, cluster
 layout(binding = 2) uniform usamplerBuffer receivers;    // first quad, quads, reduced quad, samples' begin

@@ -1,11 +1,6 @@
 // ClusterTransfer, right factor: one invocation per row and channel.
 layout(local_size_x = 64) in;
 
-#ifdef FLOAT_MATRIX
-#define MATRIX_BUFFER samplerBuffer
-#else
-#define MATRIX_BUFFER isamplerBuffer
-#endif
 layout(binding = 0) uniform samplerBuffer coefficients;  // quads
 layout(binding = 1) uniform usamplerBuffer rows;  // first quad, quads of a channel, columns, place
 layout(binding = 2) uniform usamplerBuffer columns;  // quad of coefficients for a quad of the row
