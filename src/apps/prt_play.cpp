@@ -89,7 +89,11 @@ void draw(const Session& session, nlohmann::json& report) {
   PictureSettings settings = session.command.picture;
   settings.samples_per_side = kKeptSamples;
   const Picture picture = render(session.evaluator, irradiance, session.camera, settings);
-  write_png(session.command.out, picture.width, picture.height, picture.rgb);
+  if (settings.linear) {
+    write_exr(session.command.out, picture.width, picture.height, picture.radiance);
+  } else {
+    write_png(session.command.out, picture.width, picture.height, picture.rgb);
+  }
   if (!report.contains("play_ms")) report["play_ms"] = times.front();
   report["picture"] = session.command.out;
   report["exposure"] = picture.exposure;

@@ -78,11 +78,15 @@ void refuse_what_is_not_built(const Words& words, const PlayCommand& command) {
   }
   if (command.out.empty()) return;
   const std::string extension = std::filesystem::path(command.out).extension().string();
-  if (extension == ".exr") {
-    throw UserError(fmt::format("--out {}: OpenEXR is not built in; use a .png", command.out));
+  if (extension != ".png" && extension != ".exr") {
+    throw UserError(fmt::format("--out {}: should end in .png or .exr", command.out));
   }
-  if (extension != ".png")
-    throw UserError(fmt::format("--out {}: should end in .png", command.out));
+  if (extension == ".exr" && (words.show == "visibility" || words.show == "clusters")) {
+    throw UserError(fmt::format(
+        "--out {}: OpenEXR pictures hold radiance; use --show full, direct or indirect, "
+        "or a .png",
+        command.out));
+  }
 }
 
 void add_options(CLI::App& app, Words& words, PlayCommand& command) {
@@ -123,7 +127,9 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
                  "factor on radiance before the filmic curve (default: the picture's own)")
       ->check(CLI::PositiveNumber)
       ->type_name("F");
-  app.add_option("--out", command.out, "write the picture")->type_name("FILE.png");
+  app.add_option("--out", command.out,
+                 "write the picture: .png as shown, .exr linear radiance in W/(m² sr)")
+      ->type_name("FILE.png|.exr");
   app.add_option("--bench", command.bench_seconds,
                  "measure light changes and pictures for this long")
       ->check(CLI::Range(0.0, 3600.0))
@@ -161,6 +167,7 @@ std::optional<PlayCommand> parse_play_command(int argc, char** argv, std::string
   refuse_what_is_not_built(words, command);
   command.picture.show = shows.at(words.show);
   parse_size(words.size, command.picture);
+  command.picture.linear = std::filesystem::path(command.out).extension() == ".exr";
   if (app.count("--exposure") > 0) command.picture.exposure = words.exposure;
   if (!words.camera.empty()) command.camera = parse_camera(words.camera);
   for (const std::string& light : words.lights) command.lights.push_back(parse_light(light));

@@ -30,7 +30,7 @@ struct PlayCommand {
   int area_samples = 25;
   bool stereo = false;          ///< two eyes side by side
   float eye_distance = 0.063F;  ///< m
-  std::string out;              ///< .png; empty: no picture is kept
+  std::string out;              ///< .png, or .exr: linear; empty: no picture is kept
   double bench_seconds = 0.0;   ///< 0: no bench
   bool json = false;
 };

@@ -120,8 +120,13 @@ void draw(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& rend
   gl::Look look{command.picture.show, 1.0F};
   look.exposure = command.picture.exposure ? *command.picture.exposure
                                            : eyes.own_exposure(renderer, scene.camera);
-  eyes.draw(renderer, scene.camera, look);
-  write_png(command.out, eyes.width(), eyes.height(), eyes.pixels());
+  if (command.picture.linear) {
+    write_exr(command.out, eyes.width(), eyes.height(),
+              eyes.radiance(renderer, scene.camera, look.show));
+  } else {
+    eyes.draw(renderer, scene.camera, look);
+    write_png(command.out, eyes.width(), eyes.height(), eyes.pixels());
+  }
   report["picture"] = command.out;
   report["exposure"] = look.exposure;
 }

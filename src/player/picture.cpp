@@ -63,7 +63,7 @@ Vec3f clamped_radiance(const Vec3f& albedo, const Vec3f& irradiance) {
   return albedo.cwiseProduct(irradiance).cwiseMax(0.0F) / kPi;
 }
 
-/// Display colours (linear, [0, 1]) of all surfaces.
+/// Display colours (linear, [0, 1]) of all surfaces; of a linear picture their radiance.
 std::vector<Vec3f> tone_mapped(const VisibleSurfaces& surfaces,
                                const std::vector<PlayedIrradiance>& played,
                                const PictureSettings& settings, Picture& picture) {
@@ -79,8 +79,8 @@ std::vector<Vec3f> tone_mapped(const VisibleSurfaces& surfaces,
     } else if (settings.show == Show::kIndirect) {
       colours[i] = clamped_radiance(surfaces.albedo[i], played[i].indirect);
     }
-    const bool finite = colours[i].allFinite();
-    colours[i] = finite ? filmic(picture.exposure * colours[i]) : Vec3f::Zero();
+    if (!colours[i].allFinite()) colours[i].setZero();
+    if (!settings.linear) colours[i] = filmic(picture.exposure * colours[i]);
   }
   return colours;
 }
@@ -94,21 +94,32 @@ std::vector<Vec3f> visibility_colours(const std::vector<PlayedIrradiance>& playe
   return colours;
 }
 
-/// Averages the samples of each pixel and stores them as sRGB.
-void store(const std::vector<Vec3f>& samples, int side, Picture& picture) {
+/// The mean over the samples of each pixel.
+std::vector<Vec3f> pixels_of(const std::vector<Vec3f>& samples, int side, const Picture& picture) {
   const auto width = static_cast<std::size_t>(picture.width);
   const auto across = static_cast<std::size_t>(side);
-  picture.rgb.resize(3 * width * static_cast<std::size_t>(picture.height));
-  for (std::size_t pixel = 0; 3 * pixel < picture.rgb.size(); ++pixel) {
+  std::vector<Vec3f> pixels(width * static_cast<std::size_t>(picture.height));
+  for (std::size_t pixel = 0; pixel < pixels.size(); ++pixel) {
     Vec3f sum = Vec3f::Zero();
     for (std::size_t k = 0; k < across * across; ++k) {
       const std::size_t y = (pixel / width) * across + k / across;
       const std::size_t x = (pixel % width) * across + k % across;
       sum += samples[y * width * across + x];
     }
-    for (int c = 0; c < 3; ++c) {
-      picture.rgb[3 * pixel + static_cast<std::size_t>(c)] =
-          srgb_byte(sum[c] / static_cast<float>(across * across));
+    pixels[pixel] = sum / static_cast<float>(across * across);
+  }
+  return pixels;
+}
+
+/// As floats, or as sRGB.
+void store(const std::vector<Vec3f>& pixels, bool linear, Picture& picture) {
+  for (const Vec3f& pixel : pixels) {
+    for (const float value : pixel) {
+      if (linear) {
+        picture.radiance.push_back(value);
+      } else {
+        picture.rgb.push_back(srgb_byte(value));
+      }
     }
   }
 }
@@ -132,9 +143,10 @@ Picture render(const Evaluator& evaluator, const SampleIrradiance& irradiance,
           ? cluster_colours(evaluator, surfaces, camera.eye, settings.threads)
       : settings.show == Show::kVisibility ? visibility_colours(played)
                                            : tone_mapped(surfaces, played, settings, picture);
-  std::vector<Vec3f> samples(image.fragments.size(), background_colour());
+  std::vector<Vec3f> samples(image.fragments.size(),
+                             settings.linear ? Vec3f(Vec3f::Zero()) : background_colour());
   for (std::size_t i = 0; i < colours.size(); ++i) samples[surfaces.place[i]] = colours[i];
-  store(samples, side, picture);
+  store(pixels_of(samples, side, picture), settings.linear, picture);
   return picture;
 }
 

@@ -24,15 +24,18 @@ struct PictureSettings {
   int width = 1024;
   int height = 768;
   Show show = Show::kFull;
-  int samples_per_side = 1;       ///< of a pixel: its square is averaged
-  std::optional<float> exposure;  ///< factor on radiance; none: the picture's own
+  int samples_per_side = 1;                      ///< of a pixel: its square is averaged
+  std::optional<float> exposure = std::nullopt;  ///< factor on radiance; none: the picture's own
+  bool linear = false;  ///< radiance as it is, for kFull, kDirect and kIndirect only
   unsigned threads = 0;
 };
 
 struct Picture {
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> rgb;  ///< sRGB, top row first
+  std::vector<std::uint8_t> rgb;  ///< sRGB, top row first; empty for a linear picture
+  std::vector<float> radiance;    ///< of a linear picture, W/(m² sr), RGB, top row first; 0 where
+                                  ///< there is no surface. Neither exposed nor toned
   float exposure = 1.0F;
   std::size_t covered = 0;     ///< picture samples that see a surface
   std::size_t unreached = 0;   ///< of them: no splat reaches the point; drawn black

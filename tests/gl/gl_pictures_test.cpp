@@ -99,6 +99,30 @@ TEST_F(GlPictures, AgreeWhenPixelsAreAveraged) {
   EXPECT_LE(apart.worst_block, kBlockDifference);
 }
 
+/// Radiance is compared as a whole: pixels at edges may fall to the other side.
+TEST_F(GlPictures, AgreeInRadiance) {
+  const auto lights = test::lights_of_every_kind().front();
+  const SceneCamera from = cameras().front();
+  const SampleIrradiance irradiance = cpu_.evaluate(lights.lights);
+  gl_.set_lights(lights.lights);
+  gl::GlView view(kWidth, kHeight, 2);
+  for (const Show show : {Show::kFull, Show::kDirect, Show::kIndirect}) {
+    const Picture expected = render(
+        cpu_, irradiance, from,
+        {.width = kWidth, .height = kHeight, .show = show, .samples_per_side = 2, .linear = true});
+    const auto radiance = gl_.radiance(view, from, show);
+    ASSERT_EQ(radiance.size(), expected.radiance.size());
+    double off = 0.0;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < radiance.size(); ++i) {
+      off += std::abs(radiance[i] - expected.radiance[i]);
+      sum += expected.radiance[i];
+    }
+    EXPECT_GT(sum, 0.0);
+    EXPECT_LE(off, kMeanDifference * sum) << static_cast<int>(show);
+  }
+}
+
 TEST_F(GlPictures, ShowEachEyeItsOwnView) {
   const auto lights = test::lights_of_every_kind().front().lights;
   const gl::StereoSettings stereo{.on = true, .eye_distance = 0.3F};

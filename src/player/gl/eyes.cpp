@@ -32,18 +32,34 @@ float Eyes::own_exposure(GlRenderer& renderer, const SceneCamera& camera) {
   return renderer.own_exposure(views_.front(), eye_cameras(camera, stereo_).front());
 }
 
-std::vector<std::uint8_t> Eyes::pixels() const {
-  if (views_.size() == 1) return views_.front().pixels();
-  const auto row = 3 * static_cast<std::ptrdiff_t>(views_.front().width());
-  const std::vector<std::uint8_t> left = views_.front().pixels();
-  const std::vector<std::uint8_t> right = views_.back().pixels();
-  std::vector<std::uint8_t> both;
+namespace {
+
+/// Rows of three values a pixel next to each other.
+template <typename T>
+std::vector<T> side_by_side(const std::vector<T>& left, const std::vector<T>& right, int width) {
+  const auto row = 3 * static_cast<std::ptrdiff_t>(width);
+  std::vector<T> both;
   both.reserve(2 * left.size());
-  for (std::ptrdiff_t y = 0; y < height(); ++y) {
-    both.insert(both.end(), left.begin() + y * row, left.begin() + (y + 1) * row);
-    both.insert(both.end(), right.begin() + y * row, right.begin() + (y + 1) * row);
+  for (std::ptrdiff_t at = 0; at < static_cast<std::ptrdiff_t>(left.size()); at += row) {
+    both.insert(both.end(), left.begin() + at, left.begin() + at + row);
+    both.insert(both.end(), right.begin() + at, right.begin() + at + row);
   }
   return both;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> Eyes::pixels() const {
+  if (views_.size() == 1) return views_.front().pixels();
+  return side_by_side(views_.front().pixels(), views_.back().pixels(), views_.front().width());
+}
+
+std::vector<float> Eyes::radiance(GlRenderer& renderer, const SceneCamera& camera, Show show) {
+  const std::vector<SceneCamera> cameras = eye_cameras(camera, stereo_);
+  std::vector<float> first = renderer.radiance(views_.front(), cameras.front(), show);
+  if (views_.size() == 1) return first;
+  return side_by_side(first, renderer.radiance(views_.back(), cameras.back(), show),
+                      views_.front().width());
 }
 
 void Eyes::copy(unsigned framebuffer, int scale) const {

@@ -24,6 +24,9 @@ class Eyes {
   [[nodiscard]] float own_exposure(GlRenderer& renderer, const SceneCamera& camera);
   /// 8-bit sRGB, top row first.
   [[nodiscard]] std::vector<std::uint8_t> pixels() const;
+  /// As GlRenderer::radiance.
+  [[nodiscard]] std::vector<float> radiance(GlRenderer& renderer, const SceneCamera& camera,
+                                            Show show);
   /// As GlView::copy.
   void copy(unsigned framebuffer, int scale = 1) const;
   /// Waits until the picture is done.

@@ -116,6 +116,8 @@ struct GlRenderer::State {
     return {&images.surfaces, &images.splats, &*lights, &*fields, images.camera->eye};
   }
   void shrink(const Canvas& from, int side, const Canvas& to);
+  /// Of the last look_from(): picture samples from the lower left, w 1 where there is a surface.
+  std::vector<Eigen::Vector4f> radiance(GlView::Images& images, Show show);
 
   int area_samples;
   SampleBuffers samples;
@@ -187,21 +189,41 @@ void GlRenderer::draw(GlView& view, const SceneCamera& camera, const Look& look)
   s.clock.stop("shade");
 }
 
+std::vector<Eigen::Vector4f> GlRenderer::State::radiance(GlView::Images& images, Show show) {
+  const Canvas canvas(images.surfaces.width(), images.surfaces.height(), {kVec4Image}, false);
+  shade.draw(input(images), Colours::kRadiance, {show, 1.0F}, canvas);
+  std::vector<Eigen::Vector4f> values(static_cast<std::size_t>(canvas.width()) *
+                                      static_cast<std::size_t>(canvas.height()));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas.framebuffer());
+  glReadPixels(0, 0, canvas.width(), canvas.height(), GL_RGBA, GL_FLOAT, values.data());
+  return values;
+}
+
 float GlRenderer::own_exposure(GlView& view, const SceneCamera& camera) {
-  State& s = *state_;
-  GlView::Images& images = *view.images_;
-  s.look_from(camera, false, images);
-  const Canvas radiance(images.surfaces.width(), images.surfaces.height(), {kVec4Image}, false);
-  s.shade.draw(s.input(images), Colours::kRadiance, {}, radiance);
-  std::vector<Eigen::Vector4f> values(static_cast<std::size_t>(radiance.width()) *
-                                      static_cast<std::size_t>(radiance.height()));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, radiance.framebuffer());
-  glReadPixels(0, 0, radiance.width(), radiance.height(), GL_RGBA, GL_FLOAT, values.data());
+  state_->look_from(camera, false, *view.images_);
   std::vector<Vec3f> seen;
-  for (const Eigen::Vector4f& v : values) {
+  for (const Eigen::Vector4f& v : state_->radiance(*view.images_, Show::kFull)) {
     if (v.w() > 0.0F) seen.emplace_back(v.head<3>());
   }
   return prt::own_exposure(seen);
+}
+
+std::vector<float> GlRenderer::radiance(GlView& view, const SceneCamera& camera, Show show) {
+  state_->look_from(camera, false, *view.images_);
+  const std::vector<Eigen::Vector4f> samples = state_->radiance(*view.images_, show);
+  const int side = view.side_;
+  const float share = 1.0F / static_cast<float>(side * side);
+  std::vector<float> pixels(std::size_t{3} * static_cast<std::size_t>(view.width_) *
+                            static_cast<std::size_t>(view.height_));
+  for (std::size_t i = 0; i < samples.size(); ++i) {  // from the lower left; w: 0 where no surface
+    const auto across = static_cast<std::size_t>(view.width_ * side);
+    const std::size_t x = i % across / static_cast<std::size_t>(side);
+    const std::size_t up = i / across / static_cast<std::size_t>(side);
+    const std::size_t y = static_cast<std::size_t>(view.height_) - 1 - up;
+    float* pixel = &pixels[3 * (y * static_cast<std::size_t>(view.width_) + x)];
+    for (Eigen::Index c = 0; c < 3; ++c) pixel[c] += share * samples[i].w() * samples[i][c];
+  }
+  return pixels;
 }
 
 MatrixF GlRenderer::direct() const { return state_->interpreter.direct(); }

@@ -97,6 +97,9 @@ class GlRenderer {
   /// The exposure that puts what the camera sees where pictures have it (player/picture.h).
   [[nodiscard]] float own_exposure(GlView& view, const SceneCamera& camera);
 
+  /// What Picture::radiance holds of a linear picture; `show` is kFull, kDirect or kIndirect.
+  [[nodiscard]] std::vector<float> radiance(GlView& view, const SceneCamera& camera, Show show);
+
   /// Irradiance at the samples, n × 3, W/m²: what Evaluator::evaluate gives.
   [[nodiscard]] MatrixF direct() const;
   [[nodiscard]] MatrixF indirect() const;
