@@ -7,12 +7,12 @@
 #include <array>
 #include <cctype>
 #include <cstring>
-#include <fstream>
 #include <optional>
 
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_check.h"
 #include "scene/gltf_tiny.h"
+#include "scene/whole_file.h"
 
 namespace prt::gltf {
 namespace fs = std::filesystem;
@@ -21,24 +21,6 @@ namespace {
 constexpr std::uint32_t kGlbMagic = 0x46546C67;     // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;    // "JSON"
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;  // "BIN"
-
-std::vector<unsigned char> read_file(const fs::path& path, const std::string& scene_name,
-                                     std::string_view what) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) fail(scene_name, fmt::format("{} does not exist", what));
-  if (!fs::is_regular_file(status))
-    fail(scene_name, fmt::format("{} is a folder or a device, not a file", what));
-  std::ifstream stream(path, std::ios::binary);
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (!stream || error) fail(scene_name, fmt::format("{} cannot be read", what));
-  std::vector<unsigned char> bytes(size);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
-    fail(scene_name, fmt::format("{} cannot be read to its end", what));
-  }
-  return bytes;
-}
 
 std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t offset) {
   std::uint32_t word = 0;
@@ -93,7 +75,7 @@ bool is_supported(const std::string& extension) {
 }  // namespace
 
 Document::Document(const fs::path& file) : file_(file), name_(file.string()) {
-  const std::vector<unsigned char> bytes = read_file(file, name_, "the file");
+  const std::vector<unsigned char> bytes = read_whole_file(file, "scene " + name_, "the file");
   if (bytes.empty()) fail(name_, "the file is empty");
   std::vector<Bytes> buffers = parse(std::as_bytes(std::span(bytes)));
   for (const Bytes& buffer : buffers) buffers_.push_back(std::as_bytes(std::span(buffer)));
@@ -224,7 +206,8 @@ std::span<const std::byte> Document::view(std::uint32_t index) const {
 std::vector<unsigned char> Document::resource(const Value& uri) const {
   const std::string text = uri.text();
   if (!is_data_uri(text)) {
-    return read_file(local_file(uri), name_, fmt::format("its resource '{}'", text));
+    return read_whole_file(local_file(uri), "scene " + name_,
+                           fmt::format("its resource '{}'", text));
   }
   if (!tinygltf::IsDataURI(text) || text.size() >= kMaxDataUri) {
     uri.fail("a data URI must be in base64, and of a type that glTF names");

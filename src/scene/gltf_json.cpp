@@ -5,15 +5,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "scene/whole_file.h"
 
 namespace prt::gltf {
 
 void fail(const std::string& file, std::string_view what) {
-  std::string line = fmt::format("scene {}: {}", file, what);
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  throw UserError(line);
+  refuse(fmt::format("scene {}: {}", file, what));
 }
 
 void Value::fail(std::string_view what) const {
