@@ -53,7 +53,8 @@ void evaluate_sh(int order, const Vec3d& direction, std::span<double> values) {
     for (int l = m; l < order; ++l) {
       if (l > m) column.step(l);
       values[static_cast<std::size_t>(sh_index(l, m))] = scale * column.value() * real;
-      if (m > 0) values[static_cast<std::size_t>(sh_index(l, -m))] = scale * column.value() * imaginary;
+      if (m > 0)
+        values[static_cast<std::size_t>(sh_index(l, -m))] = scale * column.value() * imaginary;
     }
   }
 }
@@ -137,7 +138,8 @@ ShRotation::ShRotation(int order, const Eigen::Matrix3d& rotation) {
   MatrixD first(3, 3);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      first(i, j) = rotation(kAxes[static_cast<std::size_t>(i)], kAxes[static_cast<std::size_t>(j)]);
+      first(i, j) =
+          rotation(kAxes[static_cast<std::size_t>(i)], kAxes[static_cast<std::size_t>(j)]);
     }
   }
   bands_.push_back(MatrixD::Ones(1, 1));

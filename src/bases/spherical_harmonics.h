@@ -5,10 +5,10 @@
 // An order counts bands: order n has the bands 0 … n − 1 and n² functions, order 5 has 25. Function
 // (l, m) is number l(l + 1) + m. The polar axis is +z of the frame that directions are given in.
 //
-// The tutorial's recursion multiplies up double factorials and divides by factorials again (§6.2.2):
-// both leave the range of float from band 17 on, and powers of sin θ cancel near the poles. Here
-// normalised functions come from three-term recurrences in double, and sin^m θ e^{imφ} is the
-// polynomial (x + iy)^m: no factorial, no angle.
+// The tutorial's recursion multiplies up double factorials and divides by factorials again
+// (§6.2.2): both leave the range of float from band 17 on, and powers of sin θ cancel near the
+// poles. Here normalised functions come from three-term recurrences in double, and sin^m θ e^{imφ}
+// is the polynomial (x + iy)^m: no factorial, no angle.
 #pragma once
 
 #include <functional>
@@ -45,13 +45,13 @@ class ShRotation {
   std::vector<MatrixD> bands_;
 };
 
-/// Zonal coefficients A_l of the clamped cosine: ∫ max(0, n·d) Y_lm(d) dd = A_l Y_lm(n). Closed form
-/// (Ramamoorthi & Hanrahan, "An Efficient Representation for Irradiance Environment Maps", 2001):
-/// A_0 = π, A_1 = 2π/3, A_l = 0 for other odd l.
+/// Zonal coefficients A_l of the clamped cosine: ∫ max(0, n·d) Y_lm(d) dd = A_l Y_lm(n). Closed
+/// form (Ramamoorthi & Hanrahan, "An Efficient Representation for Irradiance Environment Maps",
+/// 2001): A_0 = π, A_1 = 2π/3, A_l = 0 for other odd l.
 std::vector<double> lambert_bands(int order);
 
-/// Unshadowed transfer (SH §6.2.6.1 without albedo, in closed form): irradiance on a surface of unit
-/// normal n is the dot product with the light's coefficients.
+/// Unshadowed transfer (SH §6.2.6.1 without albedo, in closed form): irradiance on a surface of
+/// unit normal n is the dot product with the light's coefficients.
 VectorD lambert_sh(int order, const Vec3d& normal);
 
 /// Hann window, (1 + cos(π l / width)) / 2 for l < width and else 0, per band: takes the ringing
