@@ -9,9 +9,9 @@
 
 namespace prt {
 
-/// Radiance (W/(m² sr), RGB) that is constant on each cell of an equirectangular grid: row 0 is next
-/// to straight up (+Y), and columns run clockwise as seen from above, from +Z over −X, −Z in the
-/// middle and +X back to +Z. Quadratures over cells are then exact in solid angle, and sampling
+/// Radiance (W/(m² sr), RGB) that is constant on each cell of an equirectangular grid: row 0 is
+/// next to straight up (+Y), and columns run clockwise as seen from above, from +Z over −X, −Z in
+/// the middle and +X back to +Z. Quadratures over cells are then exact in solid angle, and sampling
 /// follows radiance exactly.
 class Environment {
  public:
@@ -53,7 +53,7 @@ class Environment {
   int width_, height_;
   double turn_ = 0.0;  ///< radians
   std::vector<Vec3f> radiance_;
-  std::vector<double> rows_;   ///< power up to and including each row, sum of the channels
+  std::vector<double> rows_;    ///< power up to and including each row, sum of the channels
   std::vector<float> columns_;  ///< share of the row's power up to and including each column
 };
 
@@ -64,12 +64,12 @@ class Environment {
 ///   lobes:r,g,b                    the two lights of the tutorial (SH §6.2.4), times r,g,b; its
 ///                                  polar axis is straight up
 ///   disc:dx,dy,dz:r,g,b:degrees    a sun of that angular radius; its light travels along d
-///   map:FILE.hdr|.exr              equirectangular picture, twice as wide as high; its middle is −Z
-///   probe:FILE.hdr|.exr            angular map (light probe), square; its middle is +Z
+///   map:FILE.hdr|.exr              equirectangular picture, twice as wide as high; its middle is
+///   −Z probe:FILE.hdr|.exr            angular map (light probe), square; its middle is +Z
 ///   FILE.hdr|.exr                  as map:
 ///
-/// r,g,b is radiance in W/(m² sr). Throws UserError with the form expected, or what is wrong with the
-/// file.
+/// r,g,b is radiance in W/(m² sr). Throws UserError with the form expected, or what is wrong with
+/// the file.
 Environment parse_environment(std::string_view spec);
 
 /// The forms above in one line, for --help.

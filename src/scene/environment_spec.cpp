@@ -24,12 +24,9 @@ enum Form : std::size_t { kSky, kGradient, kLobes, kDisc, kMap, kProbe };
 
 const std::vector<SpecForm>& forms() {
   static const std::vector<SpecForm> all = {
-      {"sky", "sky:r,g,b", {3}},
-      {"gradient", "gradient:r,g,b:r,g,b:r,g,b", {3, 3, 3}},
-      {"lobes", "lobes:r,g,b", {3}},
-      {"disc", "disc:dx,dy,dz:r,g,b:radius_deg", {3, 3, 1}},
-      {"map", "map:FILE.hdr or .exr", {}},
-      {"probe", "probe:FILE.hdr or .exr", {}},
+      {"sky", "sky:r,g,b", {3}},           {"gradient", "gradient:r,g,b:r,g,b:r,g,b", {3, 3, 3}},
+      {"lobes", "lobes:r,g,b", {3}},       {"disc", "disc:dx,dy,dz:r,g,b:radius_deg", {3, 3, 1}},
+      {"map", "map:FILE.hdr or .exr", {}}, {"probe", "probe:FILE.hdr or .exr", {}},
   };
   return all;
 }
@@ -72,8 +69,8 @@ Environment make_disc(const SpecFields& spec) {
   const Vec3f radiance = spec.colour(1);
   const double radius = spec.number(2);
   if (!(radius >= 0.1 && radius <= 90.0)) spec.fail("the radius must be 0.1 to 90 degrees");
-  // Cosines near 1 say little of small angles; half the chord does. A cell on the edge has the share
-  // of the disc that lies in it, about.
+  // Cosines near 1 say little of small angles; half the chord does. A cell on the edge has the
+  // share of the disc that lies in it, about.
   const double chord = 2.0 * std::sin(0.5 * radius * static_cast<double>(kPi) / 180.0);
   const double cell = static_cast<double>(kPi) / kDiscRows;
   return table(kDiscRows, 1, [&](const Vec3d& d) -> Vec3f {
@@ -97,10 +94,10 @@ Environment from_map(const std::filesystem::path& file) {
 Environment from_probe(const std::filesystem::path& file) {
   const RadianceImage image = read_radiance_image(file);
   if (image.width != image.height) {
-    throw UserError(
-        fmt::format("{}: {} x {} pixels are no light probe: it should be square (an equirectangular "
-                    "map is given as map:FILE)",
-                    file.string(), image.width, image.height));
+    throw UserError(fmt::format(
+        "{}: {} x {} pixels are no light probe: it should be square (an equirectangular "
+        "map is given as map:FILE)",
+        file.string(), image.width, image.height));
   }
   const auto pixel = [&](double t) {
     return std::clamp(static_cast<int>(t * image.width), 0, image.width - 1);
@@ -108,8 +105,7 @@ Environment from_probe(const std::filesystem::path& file) {
   return table(std::clamp(image.height, 128, kMostProbeRows), 2, [&](const Vec3d& d) -> Vec3f {
     const double off_axis = std::hypot(d.x(), d.y());
     const double angle = std::atan2(off_axis, d.z());
-    const double r =
-        off_axis > 0.0 ? angle / (2.0 * static_cast<double>(kPi) * off_axis) : 0.0;
+    const double r = off_axis > 0.0 ? angle / (2.0 * static_cast<double>(kPi) * off_axis) : 0.0;
     return image.pixels[static_cast<std::size_t>(pixel(0.5 - r * d.y())) *
                             static_cast<std::size_t>(image.width) +
                         static_cast<std::size_t>(pixel(0.5 + r * d.x()))];
@@ -119,9 +115,8 @@ Environment from_probe(const std::filesystem::path& file) {
 }  // namespace
 
 Environment parse_environment(std::string_view text) {
-  const bool is_form = std::ranges::any_of(forms(), [&](const SpecForm& form) {
-    return text.substr(0, text.find(':')) == form.name;
-  });
+  const bool is_form = std::ranges::any_of(
+      forms(), [&](const SpecForm& form) { return text.substr(0, text.find(':')) == form.name; });
   if (!is_form && (text.ends_with(".hdr") || text.ends_with(".exr"))) return from_map(text);
   const SpecFields spec("environment", text, forms());
   switch (spec.form()) {

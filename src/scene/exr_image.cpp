@@ -23,8 +23,8 @@ constexpr std::size_t kMostName = 255;
 constexpr std::size_t kMostChunkBytes = std::size_t{1} << 30;
 
 enum Compression : unsigned { kStored = 0, kRle = 1, kZips = 2, kZip = 3 };
-constexpr std::array<std::string_view, 10> kCompressions = {
-    "none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"};
+constexpr std::array<std::string_view, 10> kCompressions = {"none",  "RLE", "ZIPS", "ZIP",  "PIZ",
+                                                            "PXR24", "B44", "B44A", "DWAA", "DWAB"};
 
 enum PixelType : std::uint32_t { kUint = 0, kHalf = 1, kFloat = 2 };
 
@@ -50,8 +50,7 @@ struct Channel {
 
 class Exr {
  public:
-  Exr(std::span<const unsigned char> bytes, const std::string& name)
-      : bytes_(bytes), name_(name) {}
+  Exr(std::span<const unsigned char> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   RadianceImage decode() {
     read_header();
@@ -68,7 +67,8 @@ class Exr {
       if (offset > bytes_.size()) damaged("a chunk begins beyond its end");
       at_ = static_cast<std::size_t>(offset);
       const std::int64_t first = static_cast<std::int64_t>(take<std::int32_t>()) - top_;
-      if (first < 0 || first >= height_ || first % lines != 0) damaged("a chunk is at no such line");
+      if (first < 0 || first >= height_ || first % lines != 0)
+        damaged("a chunk is at no such line");
       const auto chunk = static_cast<std::size_t>(first / lines);
       if (seen[chunk]) damaged("a chunk is there twice");
       seen[chunk] = true;
@@ -82,9 +82,9 @@ class Exr {
     refuse(fmt::format("{}: the .exr is damaged: {}", name_, why));
   }
   [[noreturn]] void unread(std::string_view what) const {
-    refuse(fmt::format(
-        "{}: {} OpenEXR files are not read; save it as scan lines with ZIP compression", name_,
-        what));
+    refuse(
+        fmt::format("{}: {} OpenEXR files are not read; save it as scan lines with ZIP compression",
+                    name_, what));
   }
 
   template <typename T>
@@ -130,8 +130,9 @@ class Exr {
     if (width_ == 0) damaged("it has no data window");
     check_picture_size(width_, height_, bytes_.size(), name_);
     if (compression_ > kZip) {
-      unread(compression_ < kCompressions.size() ? fmt::format("{}-compressed", kCompressions[compression_])
-                                                 : "strangely compressed");
+      unread(compression_ < kCompressions.size()
+                 ? fmt::format("{}-compressed", kCompressions[compression_])
+                 : "strangely compressed");
     }
   }
 

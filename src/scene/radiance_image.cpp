@@ -47,9 +47,8 @@ void check_picture_size(std::int64_t width, std::int64_t height, std::size_t fil
   if (width < 1 || height < 1 || width > kMostSide || height > kMostSide ||
       width * height > kMostPixels ||
       width * height > kPixelsPerByte * static_cast<std::int64_t>(file_bytes)) {
-    refuse(
-        fmt::format("{}: a picture of {} x {} pixels in {} bytes is not read", name, width, height,
-                    file_bytes));
+    refuse(fmt::format("{}: a picture of {} x {} pixels in {} bytes is not read", name, width,
+                       height, file_bytes));
   }
 }
 
@@ -59,8 +58,7 @@ RadianceImage read_radiance_image(const std::filesystem::path& file) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     refuse(name + ": the environment map is larger than 2 GiB");
   }
-  const bool is_hdr =
-      stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(bytes.size())) != 0;
+  const bool is_hdr = stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(bytes.size())) != 0;
   if (!is_hdr && !is_exr(bytes)) {
     refuse(name + ": it is neither a Radiance .hdr nor an OpenEXR file; convert it to one");
   }

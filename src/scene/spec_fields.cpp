@@ -67,8 +67,7 @@ Vec3f SpecFields::unit_direction(std::size_t field) const {
 }
 
 void SpecFields::fail(const std::string& what) const {
-  const std::string form =
-      form_ == kNoForm ? "" : fmt::format("; expected {}", forms_[form_].text);
+  const std::string form = form_ == kNoForm ? "" : fmt::format("; expected {}", forms_[form_].text);
   throw UserError(fmt::format("{} '{}': {}{}", what_, spec_, what, form));
 }
 

@@ -73,10 +73,10 @@ TEST_F(Example, ColoursTheVerticesOfAMesh) {
   const std::string file = (folder_.path / "room.prt.glb").string();
   write_package(room, file);
 
-  ASSERT_EQ(run({file, (folder_.path / "out").string(), "2"}, folder_.path / "log"), 0)
+  ASSERT_EQ(run({file, (folder_.path / "out").string(), "11"}, folder_.path / "log"), 0)
       << test::read_text(folder_.path / "log");
   const ColouredMesh first = read_ply(folder_.path / "out0.ply");
-  const ColouredMesh second = read_ply(folder_.path / "out1.ply");
+  const ColouredMesh second = read_ply(folder_.path / "out10.ply");
   EXPECT_EQ(first.vertices, room.scene.positions.size());
   EXPECT_EQ(first.faces, room.scene.triangles.size());
   std::size_t found = 0;

@@ -86,7 +86,7 @@ TEST(LinearPicture, IsRadianceWhateverTheExposure) {
   const SampleIrradiance irradiance = player.evaluate({&light, 1});
   SceneCamera camera;
   camera.eye = {2.0F, 1.5F, 1.0F};
-  camera.target = {2.0F, 1.0F, 5.0F};
+  camera.target = {3.2F, 1.0F, 5.0F};  // past the leaf in the middle of the room
   constexpr int kWidth = 41;
   constexpr int kHeight = 31;
   const auto picture = [&](float exposure, Show show) {

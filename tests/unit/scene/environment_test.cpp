@@ -20,7 +20,8 @@ constexpr double kFloat = 1e-5;
 std::filesystem::path write(const std::string& name, const std::string& bytes) {
   const auto path = std::filesystem::temp_directory_path() /
                     ("prt_environment_" + std::to_string(getpid()) + "_" + name);
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return path;
 }
 
@@ -153,11 +154,13 @@ TEST(Environment, SamplesItsRadianceAndNothingElse) {
 TEST(Environment, TurnsCounterClockwiseSeenFromAbove) {
   const Environment lobes = parse_environment("lobes:1,1,1");
   const Environment turned = lobes.turned(90.0);  // takes +Z to +X
-  for (const Vec3f& d : {Vec3f(0.1F, 0.2F, 1.0F), Vec3f(0.6F, 0.0F, -0.8F), Vec3f(-0.7F, 0.1F, 0.3F)}) {
+  for (const Vec3f& d :
+       {Vec3f(0.1F, 0.2F, 1.0F), Vec3f(0.6F, 0.0F, -0.8F), Vec3f(-0.7F, 0.1F, 0.3F)}) {
     const Vec3f to(d.z(), d.y(), -d.x());
     EXPECT_EQ(turned.radiance(to.normalized()), lobes.radiance(d.normalized()));
   }
-  EXPECT_NEAR((integral(turned, Vec3d::UnitX()) - integral(lobes, Vec3d::UnitZ())).norm(), 0.0, 1e-4);
+  EXPECT_NEAR((integral(turned, Vec3d::UnitX()) - integral(lobes, Vec3d::UnitZ())).norm(), 0.0,
+              1e-4);
 }
 
 TEST(Environment, RefusesRubbish) {
@@ -206,7 +209,8 @@ TEST(ExrImage, ReadsLuminanceAsGrey) {
   test::ExrWriter writer = exr(3, 2);
   writer.channels = {"Y"};
   const auto file = write("grey.exr", writer.encode());
-  const Vec3f top = parse_environment("map:" + file.string()).radiance(Vec3f(-0.01F, 1, 0.001F).normalized());
+  const Vec3f top =
+      parse_environment("map:" + file.string()).radiance(Vec3f(-0.01F, 1, 0.001F).normalized());
   EXPECT_EQ(top.x(), top.y());
   EXPECT_GT(top.z(), 0.0F);
   std::filesystem::remove(file);
@@ -238,7 +242,8 @@ TEST(ExrImage, SurvivesEveryCutAndManyFlips) {
     for (std::uint64_t i = 0; i < 400; ++i) {
       Random random(91, i);
       std::string flipped = whole;
-      const std::size_t at = random.below(static_cast<std::uint32_t>(i % 2 == 0 ? 300 : whole.size()));
+      const std::size_t at =
+          random.below(static_cast<std::uint32_t>(i % 2 == 0 ? 300 : whole.size()));
       flipped[at] = static_cast<char>(flipped[at] ^ (1 << random.below(8)));
       expect_refused_or_sound(flipped, "flipped.exr");
     }
