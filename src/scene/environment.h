@@ -64,8 +64,8 @@ class Environment {
 ///   lobes:r,g,b                    the two lights of the tutorial (SH §6.2.4), times r,g,b; its
 ///                                  polar axis is straight up
 ///   disc:dx,dy,dz:r,g,b:degrees    a sun of that angular radius; its light travels along d
-///   map:FILE.hdr|.exr              equirectangular picture, twice as wide as high; its middle is
-///   −Z probe:FILE.hdr|.exr            angular map (light probe), square; its middle is +Z
+///   map:FILE.hdr|.exr              equirectangular picture, 2 : 1, its middle is −Z
+///   probe:FILE.hdr|.exr            angular map (light probe), square; its middle is +Z
 ///   FILE.hdr|.exr                  as map:
 ///
 /// r,g,b is radiance in W/(m² sr). Throws UserError with the form expected, or what is wrong with
