@@ -129,7 +129,7 @@ TaskSpec compare_task(std::size_t number, std::size_t first, std::size_t end,
   TaskSpec spec;
   spec.id = numbered(kCompare, number);
   spec.kind = kCompare;
-  spec.version = 3;
+  spec.version = 4;
   spec.parameters = {{"references", end - first}};
   for (std::size_t k = first; k < end; ++k) spec.inputs.push_back(numbered(kReference, k));
   spec.inputs.insert(spec.inputs.end(), package_results.begin(), package_results.end());
