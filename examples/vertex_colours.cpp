@@ -50,6 +50,7 @@ void write_ply(const std::string& file, const prt::Scene& mesh, const std::vecto
   for (const prt::Triangle& t : mesh.triangles) {
     out << "3 " << t.vertex[0] << ' ' << t.vertex[1] << ' ' << t.vertex[2] << '\n';
   }
+  if (!out.flush()) throw prt::UserError(file + ": cannot be written");
 }
 
 void play(const std::string& file, const std::string& prefix, int frames) {
@@ -68,8 +69,9 @@ void play(const std::string& file, const std::string& prefix, int frames) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  if (argc != 4) throw prt::UserError("usage: vertex_colours PACKAGE.prt.glb OUT FRAMES");
-  play(argv[1], argv[2], std::atoi(argv[3]));
+  const int frames = argc == 4 ? std::atoi(argv[3]) : 0;
+  if (frames < 1) throw prt::UserError("usage: vertex_colours PACKAGE.prt.glb OUT FRAMES");
+  play(argv[1], argv[2], frames);
   return 0;
 } catch (const prt::UserError& e) {
   std::fprintf(stderr, "vertex_colours: %s\n", e.what());

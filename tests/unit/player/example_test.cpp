@@ -98,6 +98,10 @@ TEST_F(Example, SaysInOneLineWhatIsWrong) {
   const std::string said = test::read_text(log);
   EXPECT_EQ(said.find("vertex_colours: "), 0U);
   EXPECT_EQ(said.find('\n'), said.size() - 1);
+  const std::string file = (folder_.path / "room.prt.glb").string();
+  write_package(test::synthetic_room({.directions = 0}), file);
+  EXPECT_EQ(run({file, (folder_.path / "no/such/folder/out").string(), "1"}, log), 2);
+  EXPECT_EQ(run({file, (folder_.path / "out").string(), "many"}, log), 2);
 }
 
 }  // namespace
