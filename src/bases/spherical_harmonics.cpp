@@ -172,7 +172,6 @@ std::vector<double> lambert_bands(int order) {
     bands[static_cast<std::size_t>(l)] = 2.0 * kPiD * sign / ((l + 2.0) * (l - 1.0)) * ratio;
     sign = -sign;
   }
-  if (order > 0) bands[0] = kPiD;
   return bands;
 }
 
