@@ -257,11 +257,13 @@ SphereQuadrature exact_quadrature(int order) {
 
 SphereQuadrature stratified_quadrature(int side, std::uint64_t stream) {
   SphereQuadrature quadrature;
-  for (int i = 0; i < side * side; ++i) {
-    Random random(stream, static_cast<std::uint64_t>(i));
-    const double u = (i / side + static_cast<double>(random.uniform())) / side;
-    const double v = (i % side + static_cast<double>(random.uniform())) / side;
-    quadrature.directions.push_back(at_square(u, v));
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      Random random(stream, static_cast<std::uint64_t>(i * side + j));
+      const double u = (i + static_cast<double>(random.uniform())) / side;
+      const double v = (j + static_cast<double>(random.uniform())) / side;
+      quadrature.directions.push_back(at_square(u, v));
+    }
   }
   quadrature.weights.assign(quadrature.directions.size(), 4.0 * kPiD / (side * side));
   return quadrature;
@@ -269,8 +271,10 @@ SphereQuadrature stratified_quadrature(int side, std::uint64_t stream) {
 
 SphereQuadrature equal_area_quadrature(int side) {
   SphereQuadrature quadrature;
-  for (int i = 0; i < side * side; ++i) {
-    quadrature.directions.push_back(at_square((i / side + 0.5) / side, (i % side + 0.5) / side));
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) {
+      quadrature.directions.push_back(at_square((i + 0.5) / side, (j + 0.5) / side));
+    }
   }
   quadrature.weights.assign(quadrature.directions.size(), 4.0 * kPiD / (side * side));
   return quadrature;

@@ -38,8 +38,10 @@ class Environment {
     for (int row = 0; row < height_ * split; ++row) {
       const double weight = piece_solid_angle(row, split);
       for (int column = 0; column < width_ * split; ++column) {
-        visit_piece(piece_direction(row, column, split), weight,
-                    radiance_[static_cast<std::size_t>(row / split * width_ + column / split)]);
+        visit_piece(
+            piece_direction(row, column, split), weight,
+            radiance_[static_cast<std::size_t>(row / split) * static_cast<std::size_t>(width_) +
+                      static_cast<std::size_t>(column / split)]);
       }
     }
   }

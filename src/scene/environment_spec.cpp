@@ -37,7 +37,8 @@ Environment table(int rows, int pieces, const F& f) {
   const Environment grid(2 * rows, rows, std::vector<Vec3f>(2UL * rows * rows, Vec3f::Zero()));
   std::vector<Vec3f> radiance(2UL * rows * rows, Vec3f::Zero());
   std::size_t piece = 0;
-  const auto across = static_cast<std::size_t>(2 * rows * pieces);
+  const auto across =
+      std::size_t{2} * static_cast<std::size_t>(rows) * static_cast<std::size_t>(pieces);
   const float share = 1.0F / static_cast<float>(pieces * pieces);
   grid.visit(rows * pieces, [&](const Vec3d& direction, double, const Vec3f&) {
     const std::size_t row = piece / across / static_cast<std::size_t>(pieces);

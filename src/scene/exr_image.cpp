@@ -251,7 +251,8 @@ class Exr {
   void expand_runs(std::span<const unsigned char> packed, std::vector<unsigned char>& out) const {
     std::size_t made = 0;
     for (std::size_t i = 0; i < packed.size();) {
-      const int count = static_cast<signed char>(packed[i++]);
+      const int byte = packed[i++];
+      const int count = byte < 128 ? byte : byte - 256;
       const bool literal = count < 0;
       const auto length = static_cast<std::size_t>(literal ? -count : count + 1);
       const std::size_t read = literal ? length : 1;

@@ -216,7 +216,7 @@ std::vector<float> GlRenderer::radiance(GlView& view, const SceneCamera& camera,
   std::vector<float> pixels(std::size_t{3} * static_cast<std::size_t>(view.width_) *
                             static_cast<std::size_t>(view.height_));
   for (std::size_t i = 0; i < samples.size(); ++i) {  // from the lower left; w: 0 where no surface
-    const auto across = static_cast<std::size_t>(view.width_ * side);
+    const auto across = static_cast<std::size_t>(view.width_) * static_cast<std::size_t>(side);
     const std::size_t x = i % across / static_cast<std::size_t>(side);
     const std::size_t up = i / across / static_cast<std::size_t>(side);
     const std::size_t y = static_cast<std::size_t>(view.height_) - 1 - up;
