@@ -80,6 +80,9 @@ struct Plan {
   bool complete = false;             ///< nothing more will come
   std::vector<std::string> results;  ///< task ids whose artifacts assemble() reads
   std::vector<LeftOut> left_out;
+  // What the package will take, as far as the plan is certain of it.
+  bool plays_lights = false;
+  bool plays_environment = false;
 };
 
 class Method {

@@ -63,6 +63,7 @@ class ToyMethod : public Method {
 
   [[nodiscard]] Plan plan(const PlanInputs& inputs) const override {
     Plan plan;
+    plan.plays_lights = true;
     const int leaves = inputs.options().get<int>("toy.leaves");
     for (int i = 0; i < leaves; ++i) {
       TaskSpec task = make("leaf", i);

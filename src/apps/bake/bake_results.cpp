@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/bake/report.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "methods/common/sampling.h"
 #include "store/index.h"
@@ -88,16 +89,26 @@ class Results {
     Package package = facts_.config.method->assemble(of_level, plan_.options);
     package.scene = facts_.scene;
     if (facts_.program.evaluator && !plan_.evaluation_results.empty()) {
-      const auto evaluated = result_(plan_.evaluation_results.front());
-      if (evaluated) {
-        package.error = facts_.program.evaluator->error(*evaluated, facts_.scene.origin);
-        error_of_light_ = errors_of_lights(*evaluated);
+      for (const std::string& task : plan_.evaluation_results) {
+        const auto evaluated = result_(task);
+        if (!evaluated) continue;
+        package.error.update(facts_.program.evaluator->error(*evaluated, facts_.scene.origin));
+        if (error_of_light_.is_null()) error_of_light_ = errors_of_lights(*evaluated);
       }
+    }
+    if (!plan_.all.plays_lights && !plan_.all.plays_environment) {
+      throw UserError(nothing_to_play());
     }
     error_ = package.error;
     package_ = facts_.program.encode_package(package);
     assembled_ = std::move(package);
     content_ = hash_bytes(package_);
+  }
+
+  [[nodiscard]] std::string nothing_to_play() const {
+    std::string why = "scene: nothing of it can be relit";
+    for (const LeftOut& what : plan_.all.left_out) why += "; no " + what.what + ": " + what.reason;
+    return why + "; add lb to methods";
   }
 
   bool same_package() {

@@ -55,11 +55,10 @@ std::string fingerprint(const BakeConfig& config) {
   return digest.hex();
 }
 
-/// Whose bake a folder is: another scene's is refused, while other options, albedos or lights go on
-/// with what they share.
-std::string identity(const Method& method, const Scene& scene, const std::string& isa) {
-  return "method " + method.name() + ", geometry " + scene.geometry_hash.hex() +
-         ", instruction set " + isa;
+/// Whose bake a folder is: another scene's is refused, while other methods, options, albedos or
+/// lights go on with what they share.
+std::string identity(const Scene& scene, const std::string& isa) {
+  return "geometry " + scene.geometry_hash.hex() + ", instruction set " + isa;
 }
 
 /// The instruction set a folder was begun with, if it says so.
@@ -96,8 +95,7 @@ class Session {
     settle_isa();
     do_together(ranks_, [&] {
       if (ranks_.rank() != 0) return;
-      folder_ = BakeFolder::open(fs_, config_.output, identity(*config_.method, scene_, isa_),
-                                 command_.fresh);
+      folder_ = BakeFolder::open(fs_, config_.output, identity(scene_, isa_), command_.fresh);
     });
     // Last, so that what is wrong with the input is told alone. No thread runs yet.
     share_machine();

@@ -20,8 +20,9 @@ class BakeErrorMeter {
   /// As Method::work, of its own stages.
   [[nodiscard]] virtual std::vector<StageWork> work(const BakeSize& size,
                                                     const OptionValues& options) const = 0;
-  /// The error of the bake, as it goes into package and report, from the artifact of its last task
-  /// (Plan::results). Positions in it are in the world of a scene of that origin.
+  /// The error of the bake, as it goes into package and report, from the artifact of one of
+  /// Plan::results; what several of them say goes side by side. Positions in it are in the world of
+  /// a scene of that origin.
   [[nodiscard]] virtual nlohmann::json error(const Artifact& result, const Vec3d& origin) const = 0;
 };
 

@@ -9,6 +9,7 @@
 
 #include "apps/config/config_entries.h"
 #include "base/error.h"
+#include "methods/combined.h"
 
 namespace prt {
 
@@ -131,7 +132,7 @@ class Reader {
                     : !output_.empty() ? output_
                                        : fs::absolute(fs::path("out") / scene_.stem());
     config.output = without_trailing_slash(config.output.lexically_normal());
-    config.method = method_ != nullptr ? method_ : default_method(file);
+    config.method = combined(chosen_.empty() ? std::vector{default_method(file)} : chosen_);
     for (const OptionSpec& spec : shared_options()) take(spec, config.options);
     for (const OptionSpec& spec : config.method->options()) take(spec, config.options);
     return config;
@@ -158,7 +159,7 @@ class Reader {
     } else if (entry.key == "output") {
       output_ = path_of(entry, base);
     } else if (entry.key == "methods") {
-      method_ = method_of(entry);
+      chosen_ = methods_of(entry);
     } else {
       const auto spec = table_.specs.find(entry.key);
       if (spec == table_.specs.end()) unknown_key(entry, table_);
@@ -175,17 +176,26 @@ class Reader {
     return (base / entry.value.Scalar()).lexically_normal();
   }
 
-  const Method* method_of(const ConfigEntry& entry) const {
-    YAML::Node word = entry.value;
-    if (word.IsSequence() && word.size() == 1) word.reset(entry.value[0]);
-    if (word.IsScalar()) {
-      for (const Method* method : methods_) {
-        if (method->name() == word.Scalar()) return method;
-      }
+  /// In the order of the registry, whatever the order of the list: it changes no result.
+  std::vector<const Method*> methods_of(const ConfigEntry& entry) const {
+    std::set<std::string> wanted;
+    bool sound = entry.value.IsScalar() || (entry.value.IsSequence() && entry.value.size() > 0);
+    const auto want = [&](const YAML::Node& word) {
+      sound = sound && word.IsScalar() && wanted.insert(word.Scalar()).second;
+    };
+    if (entry.value.IsScalar()) want(entry.value);
+    for (std::size_t i = 0; entry.value.IsSequence() && i < entry.value.size(); ++i) {
+      want(entry.value[i]);
     }
+    std::vector<const Method*> chosen;
     std::string names;
-    for (const Method* method : methods_) names += " " + method->name();
-    throw UserError(entry.where + ": methods must be a list with one of:" + names);
+    for (const Method* method : methods_) {
+      names += " " + method->name();
+      if (wanted.contains(method->name())) chosen.push_back(method);
+    }
+    if (sound && chosen.size() == wanted.size()) return chosen;
+    throw UserError(entry.where +
+                    ": methods must be a list, each once, with at least one of:" + names);
   }
 
   /// samples.count and samples.spacing stand for each other: the later source wins, one source must
@@ -205,7 +215,7 @@ class Reader {
   std::map<std::string, json> values_;
   fs::path scene_;
   fs::path output_;
-  const Method* method_ = nullptr;
+  std::vector<const Method*> chosen_;  // empty: the default
 };
 
 }  // namespace
@@ -250,7 +260,7 @@ std::string describe_options(const std::vector<const Method*>& methods) {
   out << "Configuration keys (in the file, or --set KEY=VALUE):\n"
          "  scene\n      glTF 2.0 scene, .glb or .gltf; required\n"
          "  output\n      folder of the bake; default out/<scene>\n"
-         "  methods\n      list with one of:";
+         "  methods\n      list with one or more of:";
   for (const Method* method : methods) out << " " << method->name();
   out << "\n";
   for (const OptionSpec& spec : shared_options()) describe(spec);

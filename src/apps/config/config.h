@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,10 @@
 namespace prt {
 
 struct BakeConfig {
-  std::filesystem::path scene;   ///< absolute
-  std::filesystem::path output;  ///< absolute
-  const Method* method = nullptr;
-  OptionValues options;  ///< every shared option and every option of the method
+  std::filesystem::path scene;           ///< absolute
+  std::filesystem::path output;          ///< absolute
+  std::shared_ptr<const Method> method;  ///< several: methods/combined.h
+  OptionValues options;                  ///< every shared option and every option of the method
 };
 
 /// What the command line adds to the file.

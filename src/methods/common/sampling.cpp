@@ -29,6 +29,8 @@ constexpr std::uint64_t kParticlesPerTask = std::uint64_t{1} << 40;
 constexpr double kPointsPerCell = 32.0;
 constexpr std::uint64_t kPointsPerTask = 100000;
 constexpr std::uint64_t kMostPoints = 60'000'000;
+// Colours closer than this are grey.
+constexpr double kGreySpread = 1e-6;
 // A maximal Poisson-disk set of radius r has about this many samples per r².
 constexpr double kSamplesPerSquareRadius = 0.8;
 
@@ -315,6 +317,10 @@ double expected_samples(const OptionValues& options, double area) {
   if (!options.is_set("samples.spacing")) return options.get<double>("samples.count");
   const double spacing = options.get<double>("samples.spacing");
   return std::max(1.0, kSamplesPerSquareRadius * area / (spacing * spacing));
+}
+
+int colour_channels(const Artifact& albedo) {
+  return albedo.attribute<double>("colour_spread") <= kGreySpread ? 1 : 3;
 }
 
 std::vector<std::string> sampling_kinds() {

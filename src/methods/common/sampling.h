@@ -11,6 +11,10 @@ namespace prt {
 inline constexpr const char* kSamplesTask = "samples";
 inline constexpr const char* kAlbedoTask = "albedo";
 
+/// Colour channels that light needs on surfaces of that artifact of kAlbedoTask: one serves all
+/// three where they are grey.
+int colour_channels(const Artifact& albedo);
+
 /// Adds the sampling stages to the plan, as far as results allow. Returns true once "samples" is
 /// finished; "albedo" is planned beside it.
 bool plan_sampling(const PlanInputs& inputs, Plan& plan, const ThinningSplit& split = {});
@@ -28,6 +32,9 @@ SamplingTasks sampling_tasks(double samples);
 
 /// Samples that a bake of `options` has on `area` m² of reachable surface, about.
 double expected_samples(const OptionValues& options, double area);
+
+/// What sampling_kinds() implement, whichever method plans them.
+inline constexpr const char* kSamplingSource = "LB §4.1";
 
 std::vector<std::string> sampling_kinds();
 Artifact run_sampling(const TaskSpec& task, const TaskReader& reader);

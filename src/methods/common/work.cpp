@@ -4,6 +4,14 @@
 
 namespace prt {
 
+double figure(const StageFigures& figures, const std::string& stage, const std::string& name,
+              double fallback) {
+  const auto s = figures.find(stage);
+  if (s == figures.end()) return fallback;
+  const auto f = s->second.find(name);
+  return f == s->second.end() ? fallback : f->second;
+}
+
 std::vector<StageWork> sampling_and_rays_work(const BakeSize& size, const OptionValues& options) {
   const double n = size.samples;
   const double directions = options.get<double>("rays.directions");

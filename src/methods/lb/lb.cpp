@@ -23,8 +23,8 @@ struct Task {
 const std::map<std::string, Task>& task_table() {
   static const std::map<std::string, Task> table = [] {
     std::map<std::string, Task> t;
-    for (const auto& kind : sampling_kinds()) t[kind] = {run_sampling, "LB §4.1"};
-    for (const auto& kind : rays_kinds()) t[kind] = {run_rays, "LB §4.2"};
+    for (const auto& kind : sampling_kinds()) t[kind] = {run_sampling, kSamplingSource};
+    for (const auto& kind : rays_kinds()) t[kind] = {run_rays, kRaysSource};
     t["visibility"] = {lb::run_visibility, "LB §4.2, eq. 8-9"};
     t["reach"] = {lb::run_reach, "one bounce of LB §4.3.2 between clusters"};
     t["windows"] = {lb::run_windows, "LB §4.3.2, eq. 4, between clusters"};

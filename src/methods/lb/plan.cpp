@@ -31,8 +31,6 @@ constexpr double kNearRays = 6.0;
 constexpr std::size_t kLeastLights = kLightsPerTask;
 // From so many bounces on all of them cost no more: the same reduced system is solved.
 constexpr int kMostCounted = 2;
-// Colours closer than this are grey: one channel serves all three.
-constexpr double kGreySpread = 1e-6;
 
 /// Plans stage by stage; holds what all stages need.
 class Planner {
@@ -72,9 +70,8 @@ class Planner {
     }
     if (!plan_windows()) return;
     plan_lights();
-    channels_ = 3;
-    if (albedo->attribute<double>("colour_spread") <= kGreySpread) {
-      channels_ = 1;
+    channels_ = colour_channels(*albedo);
+    if (channels_ == 1) {
       plan_.left_out.push_back(
           {"two colour channels", "the scene is grey: one channel serves all"});
     }
@@ -484,6 +481,7 @@ class Planner {
 
 Plan make_plan(const PlanInputs& inputs) {
   Plan plan;
+  plan.plays_lights = true;
   Planner(inputs, plan).run();
   return plan;
 }

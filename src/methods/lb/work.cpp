@@ -17,14 +17,6 @@ constexpr double kCandidatesPerRank = 4.0;
 constexpr double kMixtures = 336.0;
 constexpr double kEffectRows = 512.0;
 
-double figure(const StageFigures& figures, const std::string& stage, const std::string& name,
-              double fallback) {
-  const auto s = figures.find(stage);
-  if (s == figures.end()) return fallback;
-  const auto f = s->second.find(name);
-  return f == s->second.end() ? fallback : f->second;
-}
-
 /// How many times more snapshots a tolerance needs than the one that the figures were found with:
 /// measured on the gallery, a Cornell box and a room with columns.
 double rank_growth(double tolerance, const StageFigures& figures) {

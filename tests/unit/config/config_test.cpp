@@ -74,7 +74,7 @@ class ConfigTest : public testing::Test {
 
 TEST_F(ConfigTest, DefaultsComeFromTheTables) {
   const BakeConfig config = load("scene: a.glb\n");
-  EXPECT_EQ(config.method, &method_);
+  EXPECT_EQ(config.method.get(), &method_);
   EXPECT_EQ(config.options.get<int>("samples.count"), 45000);
   EXPECT_EQ(config.options.get<int>("lb.visibility_rank"), 50);
   EXPECT_TRUE(config.options.is_auto("samples.start"));
@@ -94,6 +94,30 @@ TEST_F(ConfigTest, ReadsValuesOfEveryType) {
   EXPECT_DOUBLE_EQ(config.options.get<double>("transport.tolerance"), 1e-4);
   EXPECT_EQ(config.options.get<int>("transport.bounces"), 3);
   EXPECT_EQ(config.options.get<int>("compression.bits"), 16);
+}
+
+TEST_F(ConfigTest, SeveralMethodsAreOneWithTheOptionsOfAll) {
+  class Other : public FakeMethod {
+   public:
+    [[nodiscard]] std::string name() const override { return "sh"; }
+    [[nodiscard]] std::vector<OptionSpec> options() const override {
+      return {{"sh.order", Type::kInteger, 5, 1, 8, {}, "", "bands", "SH"}};
+    }
+  } other;
+  const std::vector<const Method*> all = {&method_, &other};
+  const auto load_both = [&](const std::string& methods, const std::string& setting = "seed=1") {
+    return load_config(write("scene: a.glb\nmethods: " + methods + "\n"), {{setting}, {}}, all);
+  };
+  const BakeConfig both = load_both("[sh, lb]");
+  EXPECT_EQ(both.method->name(), "lb+sh");
+  EXPECT_EQ(both.options.get<int>("sh.order"), 5);
+  EXPECT_EQ(both.options.get<int>("lb.visibility_rank"), 50);
+  EXPECT_EQ(load_both("sh").method.get(), &other);
+  EXPECT_EQ(load_both("[lb]", "methods=[lb, sh]").method->name(), "lb+sh");
+  EXPECT_THROW(load_both("[]"), UserError);
+  EXPECT_THROW(load_both("[sh, sh]"), UserError);
+  EXPECT_THROW(load_both("[sh, drt]"), UserError);
+  EXPECT_THROW(load_both("{lb: 1}"), UserError);
 }
 
 TEST_F(ConfigTest, PathsAreRelativeToWhereTheyAreGiven) {
