@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "evaluate/light_errors_io.h"
 #include "evaluate/reference.h"
+#include "evaluate/test_points_io.h"
 #include "methods/common/inputs.h"
 #include "transport/free_space.h"
 
@@ -21,72 +22,13 @@ constexpr std::size_t kMostComparisons = 8;
 /// Seconds per path on one core, measured on the gallery; only orders the tasks.
 constexpr double kSecondsPerPath = 3e-6;
 
-/// (r1, r2) of all points: n × 2 × 3.
-void put_pairs(Artifact& out, const std::string& name,
-               const std::vector<IrradianceEstimate>& estimates,
-               std::array<Vec3f, 2> IrradianceEstimate::*part, const std::string& meaning) {
-  std::vector<float> values;
-  for (const IrradianceEstimate& e : estimates) {
-    for (const Vec3f& half : e.*part) values.insert(values.end(), half.data(), half.data() + 3);
-  }
-  out.put<float>(name, values, {estimates.size(), 2, 3}, "W/m^2", meaning);
-}
-
-void get_pairs(const Artifact& in, const std::string& name,
-               std::vector<IrradianceEstimate>& estimates,
-               std::array<Vec3f, 2> IrradianceEstimate::*part) {
-  const auto values = in.values<float>(name);
-  if (values.size() != 6 * estimates.size()) {
-    throw UnsoundData("array " + name + " does not fit the points");
-  }
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    for (std::size_t half = 0; half < 2; ++half) {
-      (estimates[i].*part)[half] = Eigen::Map<const Vec3f>(&values[6 * i + 3 * half]);
-    }
-  }
-}
-
-void put_set(Artifact& out, const std::string& name, const TestSet& set) {
-  std::vector<Vec3f> positions, normals;
-  for (const ReceiverPoint& p : set.points) {
-    positions.push_back(p.position);
-    normals.push_back(p.normal);
-  }
-  out.put(name + "_position", positions, "m", "test points");
-  out.put(name + "_normal", normals, "1", "unit normals of the test points");
-  out.put<float>(name + "_weight", set.weights, {set.weights.size()}, "1",
-                 "share of the area that each test point stands for");
-  put_pairs(out, name + "_direct", set.reference, &IrradianceEstimate::direct,
-            "direct irradiance, two independent path-traced references");
-  put_pairs(out, name + "_indirect", set.reference, &IrradianceEstimate::indirect,
-            "indirect irradiance, two independent path-traced references");
-}
-
-TestSet get_set(const Artifact& in, const std::string& name) {
-  TestSet set;
-  const auto positions = in.points(name + "_position"), normals = in.points(name + "_normal");
-  set.weights = in.vector<float>(name + "_weight");
-  if (positions.size() != normals.size() || positions.size() != set.weights.size()) {
-    throw UnsoundData("test points of a reference do not fit together");
-  }
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    set.points.push_back({positions[i], normals[i]});
-  set.reference.resize(positions.size());
-  get_pairs(in, name + "_direct", set.reference, &IrradianceEstimate::direct);
-  get_pairs(in, name + "_indirect", set.reference, &IrradianceEstimate::indirect);
-  return set;
-}
-
 Artifact to_artifact(const LightReference& reference) {
   Artifact out;
   out.put("light_position", std::vector<Vec3f>{reference.light.position}, "m",
           "white point light of 1 W/sr");
-  out.put<std::uint32_t>("sample_index", reference.sample_index, {reference.sample_index.size()},
-                         "1", "samples that are test points");
   out.put<float>("direct", reference.direct, {reference.direct.size()}, "W/m^2",
                  "direct irradiance at every sample, exact");
-  put_set(out, "sample", reference.at_samples);
-  put_set(out, "surface", reference.on_surface);
+  put_test_points(out, reference);
   return out;
 }
 
@@ -95,13 +37,8 @@ LightReference from_artifact(const Artifact& in) {
   const auto position = in.points("light_position");
   if (position.size() != 1) throw UnsoundData("a reference has not exactly one light");
   reference.light.position = position[0];
-  reference.sample_index = in.vector<std::uint32_t>("sample_index");
+  static_cast<TestPoints&>(reference) = get_test_points(in);
   reference.direct = in.vector<float>("direct");
-  reference.at_samples = get_set(in, "sample");
-  reference.on_surface = get_set(in, "surface");
-  if (reference.sample_index.size() != reference.at_samples.points.size()) {
-    throw UnsoundData("sample points of a reference do not fit together");
-  }
   return reference;
 }
 

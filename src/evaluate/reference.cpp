@@ -66,7 +66,7 @@ Light draw_test_light(const ReferenceInputs& inputs, const ReferenceSettings& se
 }
 
 void choose_sample_points(const SampleSet& samples, const ReferenceSettings& settings,
-                          std::size_t number, LightReference& out) {
+                          std::size_t number, TestPoints& out) {
   std::vector<double> cumulative;
   double total = 0.0;
   for (const float area : samples.areas) cumulative.push_back(total += area);
@@ -93,7 +93,7 @@ void choose_sample_points(const SampleSet& samples, const ReferenceSettings& set
 }
 
 void choose_surface_points(const ReferenceInputs& inputs, const ReferenceSettings& settings,
-                           std::size_t number, LightReference& out) {
+                           std::size_t number, TestPoints& out) {
   const std::vector<double> cumulative = cumulative_areas(inputs.scene);
   const std::uint64_t stream = light_stream(settings, "surface", number);
   CellPoints drawn;
@@ -152,6 +152,22 @@ LightReference trace_reference(const ReferenceInputs& inputs, const ReferenceSet
   };
   trace(reference.at_samples, "paths at samples");
   trace(reference.on_surface, "paths on the surface");
+  return reference;
+}
+
+TestPoints trace_sky_reference(const ReferenceInputs& inputs, const ReferenceSettings& settings,
+                               std::size_t number, const Environment& environment, unsigned threads,
+                               const std::function<void()>& progress) {
+  TestPoints reference;
+  choose_sample_points(inputs.samples, settings, number, reference);
+  choose_surface_points(inputs, settings, number, reference);
+  const auto trace = [&](TestSet& set, const std::string& name) {
+    set.reference = trace_in_parallel(inputs.scene, inputs.caster, {}, set.points,
+                                      {.paths = settings.paths, .environment = &environment},
+                                      light_stream(settings, name, number), threads, progress);
+  };
+  trace(reference.at_samples, "sky at samples");
+  trace(reference.on_surface, "sky on the surface");
   return reference;
 }
 

@@ -33,15 +33,19 @@ struct TestSet {
   std::vector<IrradianceEstimate> reference;  ///< as many as points once traced, W/m²
 };
 
-/// One test light with everything it is compared by.
-struct LightReference {
+/// Where a package is judged.
+struct TestPoints {
+  TestSet at_samples;  ///< sample_index.size() points
+  std::vector<std::uint32_t> sample_index;
+  TestSet on_surface;
+};
+
+/// One test light with everything it is compared by; at_samples is for indirect light.
+struct LightReference : TestPoints {
   Light light;  ///< white point light, 1 W/sr
   /// Direct irradiance at every sample, W/m², exact: 0 where it faces away or a ray to the light is
   /// blocked.
   std::vector<float> direct;
-  TestSet at_samples;  ///< sample_index.size() points, for indirect light
-  std::vector<std::uint32_t> sample_index;
-  TestSet on_surface;
 };
 
 /// Where references come from; the objects must outlive the calls.
@@ -61,18 +65,24 @@ Light draw_test_light(const ReferenceInputs& inputs, const ReferenceSettings& se
 /// cell area and one from every equal share of it, so all weights are equal. All samples with their
 /// areas as weights when that many are asked for.
 void choose_sample_points(const SampleSet& samples, const ReferenceSettings& settings,
-                          std::size_t number, LightReference& out);
+                          std::size_t number, TestPoints& out);
 
 /// Area-uniform random points of the reachable surface for light `number`: the surface that cells
 /// are measured on, with other random numbers. Throws UserError if it has none.
 void choose_surface_points(const ReferenceInputs& inputs, const ReferenceSettings& settings,
-                           std::size_t number, LightReference& out);
+                           std::size_t number, TestPoints& out);
 
 /// Traces light `number`: light, points, visibility and irradiance, on `threads` threads (a baking
 /// task asks for 1). `progress` is called after every few points and may throw; from several
 /// threads if there are.
 LightReference trace_reference(const ReferenceInputs& inputs, const ReferenceSettings& settings,
                                std::size_t number, unsigned threads,
+                               const std::function<void()>& progress);
+
+/// The same for an environment, direct and indirect light at the same points; `number` chooses
+/// them.
+TestPoints trace_sky_reference(const ReferenceInputs& inputs, const ReferenceSettings& settings,
+                               std::size_t number, const Environment& environment, unsigned threads,
                                const std::function<void()>& progress);
 
 /// Irradiance of lights at points, on `threads` threads; what trace_reference() does for its sets.

@@ -1,6 +1,7 @@
 // Light that comes from infinitely far away: radiance by direction, as a table over the sphere.
 #pragma once
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -20,6 +21,9 @@ class Environment {
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
+  /// Radiance of the cells, row by row, before it was turned; and by how much, radians about +Y.
+  [[nodiscard]] const std::vector<Vec3f>& cells() const { return radiance_; }
+  [[nodiscard]] double turn() const { return turn_; }
   /// Of the cell that holds a unit direction.
   [[nodiscard]] Vec3f radiance(const Vec3f& direction) const;
 

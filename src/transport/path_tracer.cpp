@@ -40,9 +40,8 @@ class ShadowQueue {
  public:
   /// Adds irradiance · weight at the surface point to `sum` unless a light sample is hidden. The
   /// ray starts at the light, where neighbouring rays are coherent.
-  void add(const Scene& scene, const Light& light, const Vec3f& position, const Vec3f& normal,
-           float u, float v, const Vec3f& weight, std::uint32_t sum) {
-    const IncidentLight incident = incident_light(light, position, u, v);
+  void add(const Scene& scene, const IncidentLight& incident, const Vec3f& position,
+           const Vec3f& normal, const Vec3f& weight, std::uint32_t sum) {
     const float cosine = normal.dot(incident.to_light);
     if (!(cosine > 0.0F) || incident.irradiance.isZero(0.0F)) return;
     const Vec3f end = offset_origin(scene, position, normal);
@@ -88,6 +87,7 @@ class Wave {
         lights_(lights),
         paths_per_half_(static_cast<std::uint32_t>(std::max(1, (settings.paths + 1) / 2))),
         bounces_(settings.bounces),
+        environment_(settings.environment),
         shift_stream_(stream_key(stream, "path tracer shift")),
         path_stream_(stream_key(stream, "path tracer path")),
         area_stream_(stream_key(stream, "path tracer area light")) {}
@@ -117,8 +117,9 @@ class Wave {
     for (std::size_t p = 0; p < points.size(); ++p) {
       for (std::size_t l = 0; l < lights_.size(); ++l) {
         if (is_punctual(lights_[l])) {
-          shadows_.add(scene_, lights_[l], points[p].position, points[p].normal, 0.5F, 0.5F,
-                       Vec3f::Ones(), static_cast<std::uint32_t>(2 * p));
+          shadows_.add(scene_, incident_light(lights_[l], points[p].position, 0.5F, 0.5F),
+                       points[p].position, points[p].normal, Vec3f::Ones(),
+                       static_cast<std::uint32_t>(2 * p));
         }
       }
     }
@@ -126,21 +127,29 @@ class Wave {
     for (std::size_t p = 0; p < points.size(); ++p) sums_[2 * p + 1] = sums_[2 * p];
     for (std::size_t p = 0; p < points.size(); ++p) {
       for (std::size_t l = 0; l < lights_.size(); ++l) {
-        if (!is_punctual(lights_[l])) sample_area(lights_[l], l, points[p], first_item + p, p);
+        if (is_punctual(lights_[l])) continue;
+        sample_area(l, points[p], first_item + p, p, [&](float u, float v) {
+          return incident_light(lights_[l], points[p].position, u, v);
+        });
       }
+      if (environment_ == nullptr) continue;
+      sample_area(lights_.size(), points[p], first_item + p, p,
+                  [&](float u, float v) { return environment_->sample(u, v); });
     }
     shadows_.cast(caster_, sums_);
   }
 
-  void sample_area(const Light& light, std::size_t number, const ReceiverPoint& point,
-                   std::uint64_t item, std::size_t p) {
+  /// `sample(u, v)`: the light's; `number` of the light.
+  template <typename Sample>
+  void sample_area(std::size_t number, const ReceiverPoint& point, std::uint64_t item,
+                   std::size_t p, const Sample& sample) {
     const Vec3f weight = Vec3f::Constant(1.0F / static_cast<float>(paths_per_half_));
     for (std::uint32_t half = 0; half < 2; ++half) {
       Random random(area_stream_ + 2 * number + half, item);
       const std::uint32_t shift = random.bits();
       for (std::uint32_t i = 0; i < paths_per_half_; ++i) {
         const Vec2f uv = net_point(i, paths_per_half_, shift, random);
-        shadows_.add(scene_, light, point.position, point.normal, uv.x(), uv.y(), weight,
+        shadows_.add(scene_, sample(uv.x(), uv.y()), point.position, point.normal, weight,
                      static_cast<std::uint32_t>(2 * p + half));
       }
     }
@@ -179,7 +188,13 @@ class Wave {
       for (const Light& light : lights_) {
         const float u = is_punctual(light) ? 0.5F : path.random.uniform();
         const float v = is_punctual(light) ? 0.5F : path.random.uniform();
-        shadows_.add(scene_, light, at.position, at.normal, u, v, path.throughput, path.sum);
+        shadows_.add(scene_, incident_light(light, at.position, u, v), at.position, at.normal,
+                     path.throughput, path.sum);
+      }
+      if (environment_ != nullptr) {
+        const float u = path.random.uniform(), v = path.random.uniform();
+        shadows_.add(scene_, environment_->sample(u, v), at.position, at.normal, path.throughput,
+                     path.sum);
       }
       if (!survives(path, albedo, bounce)) continue;
       const float u = path.random.uniform(), v = path.random.uniform();
@@ -216,6 +231,7 @@ class Wave {
   std::span<const Light> lights_;
   std::uint32_t paths_per_half_;
   int bounces_;
+  const Environment* environment_;
   std::uint64_t shift_stream_, path_stream_, area_stream_;
   std::vector<Path> paths_;
   std::vector<Ray> rays_;

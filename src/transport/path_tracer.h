@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "scene/environment.h"
 #include "scene/light.h"
 #include "scene/ray_caster.h"
 
@@ -23,6 +24,7 @@ struct PathTracerSettings {
   int paths = 64;  ///< per point, both halves together; rounded up to even, at least 2
   int bounces =
       -1;  ///< reflections at most; -1: no limit, ended by Russian roulette; 0: no indirect
+  const Environment* environment = nullptr;  ///< shines beside the lights; null: none
 };
 
 /// Irradiance (W/m², RGB) from two independent halves of the paths: their means are the references
@@ -34,10 +36,11 @@ struct IrradianceEstimate {
   [[nodiscard]] Vec3f mean_indirect() const { return 0.5F * (indirect[0] + indirect[1]); }
 };
 
-/// Traces all points under the sum of the lights. Direct light of punctual lights is exact (one
-/// shadow ray, both halves equal). The first directions of each half are a randomised (0,m,2)-net
-/// over the cosine-weighted hemisphere. Point i depends on (stream, first_item + i) alone, so
-/// ranges may be traced by different tasks. Pure; call it from several threads at will.
+/// Traces all points under the sum of the lights and the environment. Direct light of punctual
+/// lights is exact (one shadow ray, both halves equal). The first directions of each half are a
+/// randomised (0,m,2)-net over the cosine-weighted hemisphere. Point i depends on (stream,
+/// first_item + i) alone, so ranges may be traced by different tasks. Pure; call it from several
+/// threads at will.
 std::vector<IrradianceEstimate> trace_irradiance(const Scene& scene, const RayCaster& caster,
                                                  std::span<const Light> lights,
                                                  std::span<const ReceiverPoint> points,
