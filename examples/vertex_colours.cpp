@@ -60,7 +60,7 @@ void play(const std::string& file, const std::string& prefix, int frames) {
   prt::Light light = prt::default_light(evaluator);
   prt::SampleIrradiance played;  // kept: after the first frame nothing is allocated
   for (int frame = 0; frame < frames; ++frame) {
-    evaluator.evaluate({&light, 1}, played);
+    evaluator.evaluate({&light, 1}, {}, played);
     write_ply(prefix + std::to_string(frame) + ".ply", package.scene, weights, played);
     light.position.x() += 0.02F * package.scene.diagonal();
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "bases/spherical_harmonics.h"
 
 namespace prt {
 namespace {
@@ -220,7 +221,10 @@ class ProgramCheck {
       std::visit([this](const auto& s) { check(s); }, step);
     }
     judge_.require(finished_, "the program must end with a reconstruct step");
-    judge_.require(direct_steps_ == 1, "the program needs exactly one direct_light step");
+    judge_.require(direct_steps_ <= 1 && environment_steps_ <= 1,
+                   "the program has several direct_light or environment_light steps");
+    judge_.require(direct_steps_ + environment_steps_ > 0,
+                   "the program needs a direct_light or an environment_light step");
   }
 
  private:
@@ -229,6 +233,22 @@ class ProgramCheck {
     judge_.require(step.shadow == DirectLightStep::Shadow::kNone || package_.visibility,
                    "the program wants depth shadows, but there are no depth buffers");
     write(step.output, Space::Kind::kSampleIrradiance, package_.samples.size(), {});
+  }
+
+  void check(const EnvironmentLightStep& step) {
+    ++environment_steps_;
+    const auto space = spaces_.find(step.coefficients);
+    judge_.require(space != spaces_.end(),
+                   "the program writes an unknown space " + step.coefficients);
+    const std::uint32_t count = space->second->dimension;
+    int order = 1;
+    while (order < kMostShOrder && static_cast<std::uint32_t>(sh_count(order)) < count) ++order;
+    judge_.require(static_cast<std::uint32_t>(sh_count(order)) == count,
+                   fmt::format("an environment of {} coefficients has no order from 1 to {}", count,
+                               kMostShOrder));
+    write(step.coefficients, Space::Kind::kEnvironmentCoefficients, count,
+          environment_layout(count, package_.samples.clusters()));
+    check(ApplyStep{step.op, step.coefficients, step.output});
   }
 
   void check(const ApplyStep& step) {
@@ -283,10 +303,48 @@ class ProgramCheck {
   std::map<std::string, const Space*> spaces_;
   std::map<std::string, Layout> values_;
   int direct_steps_ = 0;
+  int environment_steps_ = 0;
   bool finished_ = false;
 };
 
 }  // namespace
+
+int environment_order(const Package& package) {
+  for (const ProgramStep& step : package.program) {
+    const auto* light = std::get_if<EnvironmentLightStep>(&step);
+    if (light == nullptr) continue;
+    const auto space = std::ranges::find(package.spaces, light->coefficients, &Space::name);
+    if (space == package.spaces.end()) return 0;
+    return static_cast<int>(std::lround(std::sqrt(space->dimension)));
+  }
+  return 0;
+}
+
+bool has_direct_light(const Package& package) {
+  return std::ranges::any_of(package.program, [](const ProgramStep& step) {
+    return std::holds_alternative<DirectLightStep>(step);
+  });
+}
+
+void require_environment(const Package& package, const std::string& file_name) {
+  if (environment_order(package) > 0) return;
+  throw UserError(file_name +
+                  ": this package has no environment layer; bake it with methods: [lb, sh], or "
+                  "leave --env out");
+}
+
+void require_direct_light(const Package& package, const std::string& file_name) {
+  if (has_direct_light(package)) return;
+  throw UserError(file_name +
+                  ": this package takes environments alone, no lights; bake it with methods: [lb, "
+                  "sh], or give --env");
+}
+
+std::vector<std::uint32_t> environment_layout(std::uint32_t coefficients, std::size_t clusters) {
+  std::vector<std::uint32_t> begin(clusters + 1, coefficients);
+  begin.front() = 0;
+  return begin;
+}
 
 void validate(const Package& package, const std::string& file_name) {
   const Judge judge(file_name);

@@ -40,7 +40,11 @@ struct DepthVisibility {
 
 /// A coefficient vector with a meaning.
 struct Space {
-  enum class Kind { kSampleIrradiance, kClusterCoefficients };
+  enum class Kind {
+    kSampleIrradiance,
+    kClusterCoefficients,
+    kEnvironmentCoefficients  ///< order² spherical harmonics of radiance (EnvironmentLightStep)
+  };
   std::string name;
   Kind kind = Kind::kSampleIrradiance;
   std::uint32_t dimension = 0;  ///< per colour channel
@@ -53,6 +57,15 @@ struct DirectLightStep {  ///< lights → irradiance at samples, shadowed by `vi
   std::string output;
   enum class Shadow { kNone, kDepth } shadow = Shadow::kDepth;
 };
+/// Light from infinitely far away, as coefficients of real spherical harmonics
+/// (bases/spherical_harmonics.h, directions in the scene's world), and the direct irradiance at
+/// samples that `op`, a transfer from one sender, makes of it: its coefficients stand where the
+/// first cluster's would, and no other cluster has any.
+struct EnvironmentLightStep {
+  std::string op;
+  std::string coefficients;  ///< written: the environment's, order² per channel
+  std::string output;        ///< written: irradiance at samples
+};
 struct ApplyStep {
   std::string op, input, output;
 };
@@ -62,7 +75,8 @@ struct AddStep {
 struct ReconstructStep {  ///< irradiance at samples → irradiance anywhere, by splats
   std::string input;
 };
-using ProgramStep = std::variant<DirectLightStep, ApplyStep, AddStep, ReconstructStep>;
+using ProgramStep =
+    std::variant<DirectLightStep, EnvironmentLightStep, ApplyStep, AddStep, ReconstructStep>;
 
 struct Package {
   Scene scene;
@@ -76,6 +90,17 @@ struct Package {
   nlohmann::json error =
       nlohmann::json::object();  ///< measured error (design §7), as prt_eval prints it
 };
+
+/// Order of the environment that a program takes; 0: none.
+int environment_order(const Package& package);
+/// Whether a program takes lights.
+bool has_direct_light(const Package& package);
+/// Throw UserError, with what to bake, where a program takes no environment, or no lights.
+void require_environment(const Package& package, const std::string& file_name);
+void require_direct_light(const Package& package, const std::string& file_name);
+/// A space of so many environment coefficients laid out as a projection's would be: first
+/// coefficient of each cluster, and their number.
+std::vector<std::uint32_t> environment_layout(std::uint32_t coefficients, std::size_t clusters);
 
 /// Throws UserError with a reason unless shapes, indices, names and the program fit together.
 void validate(const Package& package, const std::string& file_name);

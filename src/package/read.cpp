@@ -157,16 +157,19 @@ PackageOperator read_operator(const Document& document, const Value& json) {
 }
 
 std::vector<Space> read_spaces(const Value& extension) {
+  static const std::map<std::string, Space::Kind> kinds = {
+      {kSampleIrradiance, Space::Kind::kSampleIrradiance},
+      {kClusterCoefficients, Space::Kind::kClusterCoefficients},
+      {kEnvironmentCoefficients, Space::Kind::kEnvironmentCoefficients}};
   std::vector<Space> spaces;
   for (const Value& json : extension.list("spaces")) {
     const std::string kind = json["kind"].text();
-    if (kind != kSampleIrradiance && kind != kClusterCoefficients) {
+    const auto known = kinds.find(kind);
+    if (known == kinds.end()) {
       json["kind"].fail(fmt::format("'{}' is not a known kind of space", kind));
     }
-    spaces.push_back({json["name"].text(),
-                      kind == kSampleIrradiance ? Space::Kind::kSampleIrradiance
-                                                : Space::Kind::kClusterCoefficients,
-                      json["dimension"].index(kNone, "dimensions")});
+    spaces.push_back(
+        {json["name"].text(), known->second, json["dimension"].index(kNone, "dimensions")});
   }
   return spaces;
 }
@@ -179,6 +182,10 @@ ProgramStep read_step(const Value& json) {
     return DirectLightStep{json["output"].text(), shadow == "depth"
                                                       ? DirectLightStep::Shadow::kDepth
                                                       : DirectLightStep::Shadow::kNone};
+  }
+  if (step == "environment_light") {
+    return EnvironmentLightStep{json["operator"].text(), json["coefficients"].text(),
+                                json["output"].text()};
   }
   if (step == "apply") {
     return ApplyStep{json["operator"].text(), json["input"].text(), json["output"].text()};

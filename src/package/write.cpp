@@ -130,6 +130,12 @@ json write_step(const DirectLightStep& step) {
   const bool depth = step.shadow == DirectLightStep::Shadow::kDepth;
   return {{"step", "direct_light"}, {"output", step.output}, {"shadow", depth ? "depth" : "none"}};
 }
+json write_step(const EnvironmentLightStep& step) {
+  return {{"step", "environment_light"},
+          {"operator", step.op},
+          {"coefficients", step.coefficients},
+          {"output", step.output}};
+}
 json write_step(const ApplyStep& step) {
   return {{"step", "apply"}, {"operator", step.op}, {"input", step.input}, {"output", step.output}};
 }
@@ -143,10 +149,10 @@ json write_step(const ReconstructStep& step) {
 json write_spaces(const Package& package) {
   json spaces = json::array();
   for (const Space& space : package.spaces) {
-    const bool samples = space.kind == Space::Kind::kSampleIrradiance;
-    spaces.push_back({{"name", space.name},
-                      {"kind", samples ? kSampleIrradiance : kClusterCoefficients},
-                      {"dimension", space.dimension}});
+    const char* kind = space.kind == Space::Kind::kSampleIrradiance      ? kSampleIrradiance
+                       : space.kind == Space::Kind::kClusterCoefficients ? kClusterCoefficients
+                                                                         : kEnvironmentCoefficients;
+    spaces.push_back({{"name", space.name}, {"kind", kind}, {"dimension", space.dimension}});
   }
   return spaces;
 }
@@ -162,7 +168,10 @@ json units() {
 json write_extension(const Package& package, const std::vector<std::uint32_t>& new_triangle,
                      GltfWriter& writer) {
   const bool walls = package.visibility && has_walls(*package.visibility);
-  json extension = {{"version", walls ? kFormatVersion : kVersionWithoutWalls},
+  const std::uint64_t version = environment_order(package) > 0 ? kFormatVersion
+                                : walls                        ? kVersionWithoutEnvironment
+                                                               : kVersionWithoutWalls;
+  json extension = {{"version", version},
                     {"units", units()},
                     {"triangles", package.scene.triangles.size()},
                     {"samples", write_samples(package.samples, new_triangle, writer)},

@@ -64,6 +64,7 @@ struct Evaluator::Tables {
   const SampleSet& samples;
   unsigned threads;
   std::vector<std::uint32_t> cluster_of_sample;
+  bool lit = false;                   ///< the program takes lights
   std::optional<DepthTables> depths;  ///< none: no shadows
   PlayProgram program;
 
@@ -113,7 +114,8 @@ Arrival Evaluator::Tables::arrival(std::uint32_t sample, const Light& light,
 
 void Evaluator::Tables::add_light(const Light& light, std::span<const Vec2f> light_points,
                                   MatrixF& direct, std::vector<float>& visibility) const {
-  visibility.resize(samples.size());
+  visibility.assign(samples.size(), kUnlit);
+  if (!lit) return;
   parallel_for(samples.size(), kSampleGrain, threads, [&](std::size_t begin, std::size_t end) {
     thread_local ArrivalScratch scratch;
     ArrivalScratch& work = scratch;
@@ -131,6 +133,7 @@ Evaluator::Evaluator(const Package& package, const PlayerSettings& settings)
   auto tables = std::make_unique<Tables>(Tables{package.samples,
                                                 settings.threads,
                                                 package.samples.cluster_of_sample(),
+                                                has_direct_light(package),
                                                 {},
                                                 PlayProgram(package)});
   for (const ProgramStep& step : package.program) {
@@ -144,13 +147,15 @@ Evaluator::Evaluator(const Package& package, const PlayerSettings& settings)
 
 Evaluator::~Evaluator() = default;
 
-SampleIrradiance Evaluator::evaluate(std::span<const Light> lights) const {
+SampleIrradiance Evaluator::evaluate(std::span<const Light> lights,
+                                     const MatrixF& environment) const {
   SampleIrradiance result;
-  evaluate(lights, result);
+  evaluate(lights, environment, result);
   return result;
 }
 
-void Evaluator::evaluate(std::span<const Light> lights, SampleIrradiance& result) const {
+void Evaluator::evaluate(std::span<const Light> lights, const MatrixF& environment,
+                         SampleIrradiance& result) const {
   if (lights.data() != result.lights.data()) result.lights.assign(lights.begin(), lights.end());
   result.visibility.resize(lights.size());
   result.light_points.resize(lights.size());
@@ -160,14 +165,14 @@ void Evaluator::evaluate(std::span<const Light> lights, SampleIrradiance& result
     tables_->add_light(lights[l], result.light_points[l], result.direct_light,
                        result.visibility[l]);
   }
-  tables_->program.run(result.direct_light, settings_.threads, result.work, result.direct,
-                       result.indirect);
+  tables_->program.run(result.direct_light, environment, settings_.threads, result.work,
+                       result.direct, result.sky, result.indirect);
 }
 
 MatrixF Evaluator::respond(const MatrixF& direct) const {
   SampleIrradiance result;
-  tables_->program.run(direct.transpose(), settings_.threads, result.work, result.direct,
-                       result.indirect);
+  tables_->program.run(direct.transpose(), {}, settings_.threads, result.work, result.direct,
+                       result.sky, result.indirect);
   return result.indirect;
 }
 
@@ -207,6 +212,7 @@ PlayedIrradiance play(const SampleIrradiance& irradiance, const PlayPoint& point
   if (weights.empty()) return played;
   played.reached = true;
   played.indirect = interpolate(weights, irradiance.indirect);
+  if (irradiance.sky.rows() > 0) played.direct = interpolate(weights, irradiance.sky);
   for (std::size_t l = 0; l < irradiance.lights.size(); ++l) {
     const float visibility = interpolate(weights, irradiance.visibility[l]);
     if (l == 0) played.visibility = visibility;

@@ -19,15 +19,16 @@ struct PlayerSettings {
   unsigned threads = 0;   ///< 0: all; results do not depend on it
 };
 
-/// Visibility of a light at a sample that it shines on from behind, or not at all: no value, and no
-/// part in interpolation.
+/// Visibility of a light at a sample that it shines on from behind, or not at all (no light does in
+/// a package for environments alone): no value, and no part in interpolation.
 inline constexpr float kUnlit = -1.0F;
 
 /// Irradiance at all n samples under some lights, W/m², linear in the lights, not clamped.
 struct SampleIrradiance {
   std::vector<Light> lights;
-  MatrixF direct;    ///< n × 3
-  MatrixF indirect;  ///< n × 3: all that the program adds to direct light
+  MatrixF direct;    ///< n × 3: straight from lights
+  MatrixF sky;       ///< n × 3: straight from the environment; empty where the program takes none
+  MatrixF indirect;  ///< n × 3: all that the program adds to those two
   /// Per light, n entries: share of its unshadowed irradiance that arrives, in [0, 1], or kUnlit.
   std::vector<std::vector<float>> visibility;
 
@@ -47,7 +48,7 @@ struct PlayPoint {
 
 /// Irradiance at a point, W/m², not clamped.
 struct PlayedIrradiance {
-  Vec3f direct = Vec3f::Zero();
+  Vec3f direct = Vec3f::Zero();  ///< straight from lights and environment
   Vec3f indirect = Vec3f::Zero();
   float visibility = kUnlit;  ///< of the first light
   bool reached = false;       ///< false: no splat reaches the point, and all else is zero
@@ -63,10 +64,15 @@ class Evaluator {
   Evaluator& operator=(const Evaluator&) = delete;
 
   /// Runs the program. Twice the intensity gives exactly twice the irradiance, no light exactly
-  /// zero.
-  [[nodiscard]] SampleIrradiance evaluate(std::span<const Light> lights) const;
+  /// zero. `environment`: radiance from infinitely far away as real spherical harmonics,
+  /// W/(m² sr), 3 × order² (environment_order() of the package; player/environment_light.h makes
+  /// them), or empty for none. Lights in a package without a direct_light step, and an environment
+  /// in one that takes none, do nothing.
+  [[nodiscard]] SampleIrradiance evaluate(std::span<const Light> lights,
+                                          const MatrixF& environment = {}) const;
   /// The same into a result of before: with as many lights and one thread nothing is allocated.
-  void evaluate(std::span<const Light> lights, SampleIrradiance& result) const;
+  void evaluate(std::span<const Light> lights, const MatrixF& environment,
+                SampleIrradiance& result) const;
 
   /// What the program makes of direct irradiance that is given instead of played: n × 3 in,
   /// indirect irradiance n × 3 out, W/m². It tells errors of direct light from those of transfer.

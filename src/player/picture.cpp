@@ -63,13 +63,23 @@ Vec3f clamped_radiance(const Vec3f& albedo, const Vec3f& irradiance) {
   return albedo.cwiseProduct(irradiance).cwiseMax(0.0F) / kPi;
 }
 
+/// What a surface mirrors of the environment (SH §7): no paper's physics, and never shadowed.
+Vec3f reflected(const PictureSettings& settings, const Vec3f& eye, const PlayPoint& point) {
+  const Vec3f view = (point.position - eye).normalized();
+  const Vec3f& n = point.shading_normal;
+  return settings.reflection * settings.environment->radiance(view - 2.0F * view.dot(n) * n);
+}
+
 /// Display colours (linear, [0, 1]) of all surfaces; of a linear picture their radiance.
 std::vector<Vec3f> tone_mapped(const VisibleSurfaces& surfaces,
                                const std::vector<PlayedIrradiance>& played,
-                               const PictureSettings& settings, Picture& picture) {
+                               const PictureSettings& settings, const Vec3f& eye,
+                               Picture& picture) {
+  const bool mirrors = settings.environment != nullptr && settings.reflection > 0.0F;
   std::vector<Vec3f> colours(played.size());
   for (std::size_t i = 0; i < played.size(); ++i) {
     colours[i] = clamped_radiance(surfaces.albedo[i], played[i].direct + played[i].indirect);
+    if (mirrors) colours[i] += reflected(settings, eye, surfaces.points[i]);
     if (!colours[i].allFinite()) ++picture.not_finite;
   }
   picture.exposure = settings.exposure ? *settings.exposure : own_exposure(colours);
@@ -111,6 +121,31 @@ std::vector<Vec3f> pixels_of(const std::vector<Vec3f>& samples, int side, const 
   return pixels;
 }
 
+bool shows_light(Show show) { return show != Show::kVisibility && show != Show::kClusters; }
+
+/// What lies behind all surfaces, for each picture sample.
+std::vector<Vec3f> background(const SceneCamera& camera, const PictureSettings& settings,
+                              const Picture& picture) {
+  const int side = settings.samples_per_side;
+  const int width = settings.width * side, height = settings.height * side;
+  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  if (settings.environment == nullptr || !shows_light(settings.show)) {
+    return {count, settings.linear ? Vec3f(Vec3f::Zero()) : background_colour()};
+  }
+  std::vector<Vec3f> samples(count);
+  parallel_for(count, kGrain, settings.threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto across = static_cast<std::size_t>(width);
+      const Vec3f view =
+          view_direction(camera, width, height, static_cast<float>(i % across) + 0.5F,
+                         static_cast<float>(i / across) + 0.5F);
+      samples[i] = settings.environment->radiance(view);
+      if (!settings.linear) samples[i] = filmic(picture.exposure * samples[i]);
+    }
+  });
+  return samples;
+}
+
 /// As floats, or as sRGB.
 void store(const std::vector<Vec3f>& pixels, bool linear, Picture& picture) {
   for (const Vec3f& pixel : pixels) {
@@ -141,10 +176,10 @@ Picture render(const Evaluator& evaluator, const SampleIrradiance& irradiance,
   const std::vector<Vec3f> colours =
       settings.show == Show::kClusters
           ? cluster_colours(evaluator, surfaces, camera.eye, settings.threads)
-      : settings.show == Show::kVisibility ? visibility_colours(played)
-                                           : tone_mapped(surfaces, played, settings, picture);
-  std::vector<Vec3f> samples(image.fragments.size(),
-                             settings.linear ? Vec3f(Vec3f::Zero()) : background_colour());
+      : settings.show == Show::kVisibility
+          ? visibility_colours(played)
+          : tone_mapped(surfaces, played, settings, camera.eye, picture);
+  std::vector<Vec3f> samples = background(camera, settings, picture);
   for (std::size_t i = 0; i < colours.size(); ++i) samples[surfaces.place[i]] = colours[i];
   store(pixels_of(samples, side, picture), settings.linear, picture);
   return picture;

@@ -3,12 +3,17 @@
 namespace prt {
 
 PlayProgram::PlayProgram(const Package& package) : samples_(package.samples) {
+  const int order = environment_order(package);
+  environment_layout_ = std::make_unique<const std::vector<std::uint32_t>>(
+      environment_layout(static_cast<std::uint32_t>(order * order), package.samples.clusters()));
   for (const auto& [name, op] : package.operators) {
     operators_.emplace(name, std::visit([](const auto& o) { return playable(o); }, op));
   }
   std::map<std::string, Value> values;
   for (const ProgramStep& step : package.program) {
-    if (const auto* light = std::get_if<DirectLightStep>(&step)) values[light->output] = {1.0F};
+    if (const auto* light = std::get_if<DirectLightStep>(&step))
+      values[light->output] = {.direct_share = 1.0F};
+    if (const auto* light = std::get_if<EnvironmentLightStep>(&step)) this->light(*light, values);
     if (const auto* application = std::get_if<ApplyStep>(&step)) {
       values[application->output] =
           apply(operators_.at(application->op), values.at(application->input));
@@ -28,12 +33,22 @@ int PlayProgram::emit(Step step) {
   return step.output;
 }
 
+int PlayProgram::sum(int a, int b) {
+  if (a == kNothing || b == kNothing) return a == kNothing ? b : a;
+  Step step;
+  step.kind = Kind::kAdd;
+  step.a = a;
+  step.b = b;
+  return emit(step);
+}
+
 int PlayProgram::whole(const Value& value) {
-  if (value.direct_share == 0.0F) return value.rest;
-  if (value.direct_share == 1.0F && value.rest == kNothing) return kNothing;
+  const int rest = sum(value.sky, value.rest);
+  if (value.direct_share == 0.0F) return rest;
+  if (value.direct_share == 1.0F && rest == kNothing) return kNothing;
   Step step;
   step.kind = Kind::kAddDirect;
-  step.a = value.rest;
+  step.a = rest;
   step.direct_share = value.direct_share;
   return emit(step);
 }
@@ -58,23 +73,34 @@ PlayProgram::Value PlayProgram::apply(const PlayOperator& op, const Value& input
 }
 
 PlayProgram::Value PlayProgram::add(const Value& a, const Value& b) {
-  Value sum{a.direct_share + b.direct_share, a.rest, a.layout};
-  if (a.rest == kNothing) sum.rest = b.rest;
-  if (a.rest == kNothing || b.rest == kNothing) return sum;
-  Step step;
-  step.kind = Kind::kAdd;
-  step.a = a.rest;
-  step.b = b.rest;
-  sum.rest = emit(step);
-  return sum;
+  return {a.direct_share + b.direct_share, sum(a.sky, b.sky), sum(a.rest, b.rest), a.layout};
 }
 
-void PlayProgram::run(const Step& step, const MatrixF& direct_light, unsigned threads,
-                      std::vector<MatrixF>& work) const {
+/// Coefficients are copied into a buffer like any other; what they bring directly is kept apart, so
+/// that pictures can show it with the lights'.
+void PlayProgram::light(const EnvironmentLightStep& step, std::map<std::string, Value>& values) {
+  Step copy;
+  copy.kind = Kind::kEnvironment;
+  Value coefficients;
+  coefficients.rest = emit(copy);
+  coefficients.layout = environment_layout_.get();
+  values[step.coefficients] = coefficients;
+  values[step.output] = {.sky = apply(operators_.at(step.op), coefficients).rest};
+}
+
+void PlayProgram::run(const Step& step, const MatrixF& direct_light, const MatrixF& environment,
+                      unsigned threads, std::vector<MatrixF>& work) const {
   const auto buffer = [&](int index) -> MatrixF& { return work[static_cast<std::size_t>(index)]; };
   const MatrixF& input = step.a == kNothing ? direct_light : buffer(step.a);
   MatrixF& output = buffer(step.output);
   switch (step.kind) {
+    case Kind::kEnvironment:
+      if (environment.size() > 0) {
+        output = environment;
+      } else {
+        output.setZero(3, environment_layout_->back());
+      }
+      return;
     case Kind::kProject:
       return std::get<PlayProjection>(*step.op).apply(input, samples_, threads, output);
     case Kind::kTransfer:
@@ -91,15 +117,20 @@ void PlayProgram::run(const Step& step, const MatrixF& direct_light, unsigned th
   }
 }
 
-void PlayProgram::run(const MatrixF& direct_light, unsigned threads, std::vector<MatrixF>& work,
-                      MatrixF& direct, MatrixF& indirect) const {
+void PlayProgram::run(const MatrixF& direct_light, const MatrixF& environment, unsigned threads,
+                      std::vector<MatrixF>& work, MatrixF& direct, MatrixF& sky,
+                      MatrixF& indirect) const {
   work.resize(static_cast<std::size_t>(buffers_));
-  for (const Step& step : steps_) run(step, direct_light, threads, work);
+  for (const Step& step : steps_) run(step, direct_light, environment, threads, work);
+  const auto irradiance = [&](int buffer) {
+    return work[static_cast<std::size_t>(buffer)].transpose();
+  };
   direct = result_.direct_share * direct_light.transpose();
+  if (result_.sky != kNothing) sky = irradiance(result_.sky);
   if (result_.rest == kNothing) {
     indirect.setZero(direct_light.cols(), 3);
   } else {
-    indirect = work[static_cast<std::size_t>(result_.rest)].transpose();
+    indirect = irradiance(result_.rest);
   }
 }
 

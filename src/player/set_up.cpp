@@ -92,6 +92,10 @@ Light default_light(const Evaluator& evaluator) {
   return light;
 }
 
+Environment default_environment() {
+  return parse_environment("gradient:0.5,0.8,1.5:1,1,1:0.2,0.18,0.15");
+}
+
 SceneCamera default_camera(const Evaluator& evaluator) {
   if (evaluator.package().scene.camera) return *evaluator.package().scene.camera;
   const Box box = samples_box(evaluator.package().samples);

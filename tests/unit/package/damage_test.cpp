@@ -22,6 +22,7 @@ constexpr int kTries = 200;
 Package sound_package(const test::SyntheticRoom& room) {
   Package package = test::synthetic_room(room);
   test::add_near(package);
+  test::add_environment(package, 3);
   return package;
 }
 
@@ -34,7 +35,9 @@ void write_bytes(const std::filesystem::path& path, const std::vector<std::byte>
 void play(const Package& package) {
   const Evaluator evaluator(package);
   const std::array<Light, 1> lights{Light{.position = Vec3f(2, 1, 2)}};
-  const SampleIrradiance irradiance = evaluator.evaluate(lights);
+  const int order = environment_order(package);
+  const MatrixF sky = MatrixF::Ones(3, static_cast<Eigen::Index>(order) * order);
+  const SampleIrradiance irradiance = evaluator.evaluate(lights, sky);
   const std::vector<PlayPoint> points(
       5, {package.samples.positions[0], package.samples.normals[0], package.samples.normals[0]});
   EXPECT_EQ(evaluator.reconstruct(irradiance, points).size(), points.size());

@@ -3,12 +3,15 @@
 #include <unistd.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
 #include "base/image_file.h"
 #include "bases/depth_basis.h"
+#include "bases/spherical_harmonics.h"
 
 namespace prt::test {
 namespace {
@@ -231,6 +234,56 @@ void add_near(Package& package, std::uint32_t channels) {
   package.program.insert(package.program.end(),
                          {ApplyStep{"near", "e", "n"}, AddStep{"n", "i", "n+i"},
                           AddStep{"e", "n+i", "sum"}, ReconstructStep{"sum"}});
+}
+
+void add_environment(Package& package, int order, std::uint32_t channels, bool reflected) {
+  const SampleSet& samples = package.samples;
+  const auto n = static_cast<std::uint32_t>(samples.size());
+  const Eigen::Index functions = sh_count(order);
+  const std::array<float, 3> share =
+      channels == 3 ? std::array{0.1F, 0.2F, 0.5F} : std::array{0.2F, 0.2F, 0.2F};
+  ClusterTransfer sky, bounced;
+  sky.channels = 1;
+  bounced.channels = channels;
+  for (std::uint32_t c = 0; c < samples.clusters(); ++c) {
+    MatrixF direct(samples.cluster_size(c), functions);
+    for (std::uint32_t i = 0; i < samples.cluster_size(c); ++i) {
+      const Vec3d normal = samples.normals[samples.cluster_begin[c] + i].cast<double>();
+      direct.row(i) = lambert_sh(order, normal).transpose().cast<float>();
+    }
+    MatrixF right(1, static_cast<Eigen::Index>(channels) * functions);
+    for (std::uint32_t h = 0; h < channels; ++h) {
+      right.middleCols(h * functions, functions) = share[h] * direct.colwise().mean();
+    }
+    sky.receivers.push_back(
+        {{0}, packed(direct, 32), packed(MatrixF::Identity(functions, functions), 32)});
+    bounced.receivers.push_back(
+        {{0}, packed(MatrixF::Ones(direct.rows(), 1), 16), packed(right, 16)});
+  }
+  package.operators["sky"] = std::move(sky);
+  package.operators["bounced"] = std::move(bounced);
+  package.spaces.push_back(
+      {"sky light", Space::Kind::kEnvironmentCoefficients, static_cast<std::uint32_t>(functions)});
+  for (const char* name : {"sky", "e+sky", "bounced", "all", "everything"}) {
+    package.spaces.push_back({name, Space::Kind::kSampleIrradiance, n});
+  }
+  package.program.pop_back();
+  std::vector<ProgramStep> more = {
+      EnvironmentLightStep{"sky", "sky light", "sky"}, ApplyStep{"bounced", "sky light", "bounced"},
+      AddStep{"sum", "bounced", "all"}, AddStep{"sky", "all", "everything"},
+      ReconstructStep{"everything"}};
+  package.program.insert(package.program.end(), more.begin(), more.end());
+  if (!reflected) return;
+  // The room's projection reads the sky's light with the lights'.
+  package.program.insert(package.program.begin() + 1, {more[0], AddStep{"e", "sky", "e+sky"}});
+  const auto again =
+      std::find_if(package.program.begin() + 3, package.program.end(),
+                   [](const auto& s) { return std::holds_alternative<EnvironmentLightStep>(s); });
+  package.program.erase(again);
+  for (ProgramStep& step : package.program) {
+    auto* apply = std::get_if<ApplyStep>(&step);
+    if (apply != nullptr && apply->input == "e") apply->input = "e+sky";
+  }
 }
 
 Package synthetic_room(const SyntheticRoom& room) {

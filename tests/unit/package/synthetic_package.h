@@ -27,6 +27,13 @@ void see_up_to_walls(Package& package, const Vec3f& size);
 /// a half of what sample (r + 50) mod n sends back; albedo 0.2, 0.4, 0.8, or 0.4 for one channel.
 void add_near(Package& package, std::uint32_t channels = 3);
 
+/// Adds an environment of that order to a synthetic room, as if its walls let all of it in from the
+/// front: unshadowed transfer at each sample, and a bounced tenth, fifth and half (or a fifth, for
+/// one channel) of the mean over its cluster. With `reflected`, the room's own transfer sends on
+/// what the environment brings directly, too.
+void add_environment(Package& package, int order, std::uint32_t channels = 3,
+                     bool reflected = false);
+
 /// The room's geometry, with every feature that a package has to carry: two materials out of order,
 /// a textured alpha-masked quad in the middle, camera, point, spot and directional light.
 Scene rich_scene(const Vec3f& size);

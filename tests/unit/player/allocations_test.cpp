@@ -34,12 +34,12 @@ TEST(Allocations, ALightChangeMakesNone) {
   lights[1].radius = 0.1F;
   SampleIrradiance played;
   const std::size_t before = allocations;
-  evaluator.evaluate(lights, played);
+  evaluator.evaluate(lights, {}, played);
   const std::size_t first = allocations;
   EXPECT_GT(first, before) << "nothing is counted";
   for (int change = 0; change < 3; ++change) {
     lights[0].position.x() += 0.1F;
-    evaluator.evaluate(lights, played);
+    evaluator.evaluate(lights, {}, played);
   }
   EXPECT_EQ(allocations, first);
   EXPECT_GT(played.indirect.sum(), 0.0F);

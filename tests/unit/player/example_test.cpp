@@ -1,9 +1,11 @@
 // The example of examples/ does what its text says: run as a user would, judged by closed forms.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 
+#include "bases/spherical_harmonics.h"
 #include "package/write.h"
 #include "support/program.h"
 #include "unit/package/synthetic_package.h"
@@ -47,8 +49,9 @@ constexpr int kShownError = 1;
 
 class Example : public testing::Test {
  protected:
-  static int run(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
-    std::vector<std::string> command{std::string(PRT_BINARY_DIR) + "/bin/vertex_colours"};
+  static int run(const std::vector<std::string>& arguments, const std::filesystem::path& log,
+                 const std::string& example = "vertex_colours") {
+    std::vector<std::string> command{std::string(PRT_BINARY_DIR) + "/bin/" + example};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return test::Program(command, log).wait();
   }
@@ -90,6 +93,38 @@ TEST_F(Example, ColoursTheVerticesOfAMesh) {
     EXPECT_LT(second.colours[v][0], first.colours[v][0]) << "the light has gone away";
   }
   EXPECT_EQ(found, 1U);
+}
+
+TEST_F(Example, WritesTheTransferOfVertices) {
+  constexpr int kOrder = 3;
+  constexpr double kSixDigits = 1e-4;  // of a stream, and unit vectors of 16 bits
+  Package room = test::synthetic_room({.samples_per_edge = 8, .directions = 0});
+  test::add_environment(room, kOrder);
+  room.program = {EnvironmentLightStep{"sky", "sky light", "sky"}, ReconstructStep{"sky"}};
+  const std::string file = (folder_.path / "room.prt.glb").string();
+  const auto log = folder_.path / "log", csv = folder_.path / "out.csv";
+  write_package(room, file);
+  ASSERT_EQ(run({file, csv.string()}, log, "vertex_transfer"), 0) << test::read_text(log);
+  std::istringstream in(test::read_text(csv));
+  std::size_t lines = 0;
+  for (std::string line; std::getline(in, line); ++lines) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream numbers(line);
+    std::vector<double> v;
+    for (double number = 0.0; numbers >> number;) v.push_back(number);
+    ASSERT_EQ(v.size(), 6U + 3U * kOrder * kOrder);
+    const VectorD expected = lambert_sh(kOrder, Vec3d(v[3], v[4], v[5]));
+    for (int k = 0; k < kOrder * kOrder; ++k) {
+      for (int channel = 0; channel < 3; ++channel) {
+        EXPECT_NEAR(v[static_cast<std::size_t>(6 + channel * kOrder * kOrder + k)], expected[k],
+                    kSixDigits);
+      }
+    }
+  }
+  EXPECT_EQ(lines, room.scene.positions.size());
+  write_package(test::synthetic_room({.directions = 0}), file);
+  EXPECT_EQ(run({file, csv.string()}, log, "vertex_transfer"), 2);
+  EXPECT_NE(test::read_text(log).find("no environment layer"), std::string::npos);
 }
 
 TEST_F(Example, SaysInOneLineWhatIsWrong) {
