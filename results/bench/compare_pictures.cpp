@@ -138,7 +138,7 @@ void compare(const std::vector<std::string>& words) {
                                   {.width = kWidth, .height = kHeight, .linear = true});
     const Pixels drawn = pixels_of(played.radiance);
     renderer.set_lights({&light, 1});
-    const Pixels on_gl = pixels_of(renderer.radiance(view, camera, Show::kFull));
+    const Pixels on_gl = pixels_of(renderer.radiance(view, camera, {}));
     const std::string name = words[k].substr(0, equals);
     std::ofstream(std::filesystem::path(words[2]) / (name + ".jpg"), std::ios::binary)
         << panel(traced, drawn, on_gl, played.exposure);

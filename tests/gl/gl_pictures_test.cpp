@@ -110,7 +110,7 @@ TEST_F(GlPictures, AgreeInRadiance) {
     const Picture expected = render(
         cpu_, irradiance, from,
         {.width = kWidth, .height = kHeight, .show = show, .samples_per_side = 2, .linear = true});
-    const auto radiance = gl_.radiance(view, from, show);
+    const auto radiance = gl_.radiance(view, from, {.show = show});
     ASSERT_EQ(radiance.size(), expected.radiance.size());
     double off = 0.0;
     double sum = 0.0;

@@ -28,8 +28,8 @@ void Eyes::draw(GlRenderer& renderer, const SceneCamera& camera, const Look& loo
   for (std::size_t k = 0; k < views_.size(); ++k) renderer.draw(views_[k], cameras[k], look);
 }
 
-float Eyes::own_exposure(GlRenderer& renderer, const SceneCamera& camera) {
-  return renderer.own_exposure(views_.front(), eye_cameras(camera, stereo_).front());
+float Eyes::own_exposure(GlRenderer& renderer, const SceneCamera& camera, const Look& look) {
+  return renderer.own_exposure(views_.front(), eye_cameras(camera, stereo_).front(), look);
 }
 
 namespace {
@@ -54,11 +54,12 @@ std::vector<std::uint8_t> Eyes::pixels() const {
   return side_by_side(views_.front().pixels(), views_.back().pixels(), views_.front().width());
 }
 
-std::vector<float> Eyes::radiance(GlRenderer& renderer, const SceneCamera& camera, Show show) {
+std::vector<float> Eyes::radiance(GlRenderer& renderer, const SceneCamera& camera,
+                                  const Look& look) {
   const std::vector<SceneCamera> cameras = eye_cameras(camera, stereo_);
-  std::vector<float> first = renderer.radiance(views_.front(), cameras.front(), show);
+  std::vector<float> first = renderer.radiance(views_.front(), cameras.front(), look);
   if (views_.size() == 1) return first;
-  return side_by_side(first, renderer.radiance(views_.back(), cameras.back(), show),
+  return side_by_side(first, renderer.radiance(views_.back(), cameras.back(), look),
                       views_.front().width());
 }
 

@@ -21,12 +21,13 @@ class Eyes {
   Eyes(int width, int height, const StereoSettings& stereo, int side = 1);
 
   void draw(GlRenderer& renderer, const SceneCamera& camera, const Look& look);
-  [[nodiscard]] float own_exposure(GlRenderer& renderer, const SceneCamera& camera);
+  [[nodiscard]] float own_exposure(GlRenderer& renderer, const SceneCamera& camera,
+                                   const Look& look = {});
   /// 8-bit sRGB, top row first.
   [[nodiscard]] std::vector<std::uint8_t> pixels() const;
   /// As GlRenderer::radiance.
   [[nodiscard]] std::vector<float> radiance(GlRenderer& renderer, const SceneCamera& camera,
-                                            Show show);
+                                            const Look& look);
   /// As GlView::copy.
   void copy(unsigned framebuffer, int scale = 1) const;
   /// Waits until the picture is done.

@@ -212,6 +212,9 @@ GLint Program::place(const char* name) {
 void Program::set(const char* name, int value) { glUniform1i(place(name), value); }
 void Program::set(const char* name, unsigned value) { glUniform1ui(place(name), value); }
 void Program::set(const char* name, float value) { glUniform1f(place(name), value); }
+void Program::set(const char* name, const Eigen::Vector2f& value) {
+  glUniform2fv(place(name), 1, value.data());
+}
 void Program::set(const char* name, const Vec3f& value) {
   glUniform3fv(place(name), 1, value.data());
 }

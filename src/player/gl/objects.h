@@ -113,6 +113,7 @@ class Program {
   void set(const char* name, int value);
   void set(const char* name, unsigned value);
   void set(const char* name, float value);
+  void set(const char* name, const Eigen::Vector2f& value);
   void set(const char* name, const Vec3f& value);
   void set(const char* name, const Eigen::Vector4f& value);
   void set(const char* name, const Eigen::Matrix4f& value);

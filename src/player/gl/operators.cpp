@@ -119,12 +119,15 @@ std::vector<std::uint32_t> by_length(const std::vector<std::uint32_t>& begin) {
 
 }  // namespace
 
-CoefficientLayout::CoefficientLayout(const ClusterProjection& projection) : quad_begin_{0} {
-  for (const QuantisedMatrix& block : projection.blocks) {
-    functions_.push_back(block.rows);
-    quad_begin_.push_back(quad_begin_.back() + quads_for(block.rows));
+CoefficientLayout::CoefficientLayout(const std::vector<std::uint32_t>& begin) : quad_begin_{0} {
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c) {
+    functions_.push_back(begin[c + 1] - begin[c]);
+    quad_begin_.push_back(quad_begin_.back() + quads_for(functions_.back()));
   }
 }
+
+CoefficientLayout::CoefficientLayout(const ClusterProjection& projection)
+    : CoefficientLayout(projection.coefficient_begin()) {}
 
 ProjectionPass::ProjectionPass(const ClusterProjection& projection, const SampleSet& samples)
     : layout_(projection),

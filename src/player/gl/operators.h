@@ -7,10 +7,11 @@
 
 namespace prt::gl {
 
-/// A value at the samples, in two parts: so many times the direct light, and the rest (vec4 each;
-/// nullptr: none).
+/// A value at the samples, in three parts: so many times the direct light, what came straight from
+/// the environment, and the rest (vec4 each; nullptr: none).
 struct SampleValue {
   float direct_share = 0.0F;
+  const TexelBuffer* sky = nullptr;
   const TexelBuffer* rest = nullptr;
 };
 
@@ -21,6 +22,8 @@ inline std::size_t sample_texels(std::size_t samples) { return samples + 4; }
 class CoefficientLayout {
  public:
   explicit CoefficientLayout(const ClusterProjection& projection);
+  /// `begin`: first coefficient of each cluster, and their number.
+  explicit CoefficientLayout(const std::vector<std::uint32_t>& begin);
   [[nodiscard]] std::uint32_t quad(std::size_t cluster) const { return quad_begin_[cluster]; }
   [[nodiscard]] std::uint32_t functions(std::size_t cluster) const { return functions_[cluster]; }
   [[nodiscard]] std::uint32_t channel_quads() const { return quad_begin_.back(); }
@@ -61,7 +64,7 @@ class TransferPass {
   Program to_reduced_, to_samples_;
 };
 
-/// Irradiance to irradiance.
+/// Irradiance (without a part of the environment) to irradiance.
 class NearPass {
  public:
   explicit NearPass(const NearTransfer& near);

@@ -150,6 +150,12 @@ void edit_picture(PanelState& state) {
   if (ImGui::Button("turntable (T)")) state.turntable = true;
 }
 
+void edit_environment(Stage& stage) {
+  stage.turn = std::remainder(stage.turn, 360.0F);
+  ImGui::SliderFloat("sky turns, deg", &stage.turn, -180.0F, 180.0F, "%.0f");
+  ImGui::SliderFloat("mirrored", &stage.reflection, 0.0F, 1.0F, "%.2f");
+}
+
 /// Rings where the lights are, the selected one's brighter.
 void mark_lights(const PanelState& state) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -187,7 +193,13 @@ void draw_panel(PanelState& state) {
   ImGui::Begin("prt_play (F1)");
   ImGui::PushItemWidth(-100.0F);
   edit_picture(state);
-  if (ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) edit_lights(state);
+  if (state.has_lights && ImGui::CollapsingHeader("Lights", ImGuiTreeNodeFlags_DefaultOpen)) {
+    edit_lights(state);
+  }
+  if (state.has_environment &&
+      ImGui::CollapsingHeader("Environment", ImGuiTreeNodeFlags_DefaultOpen)) {
+    edit_environment(state.stage);
+  }
   const bool graph = ImGui::CollapsingHeader("Frame time", ImGuiTreeNodeFlags_DefaultOpen);
   if (graph && !state.frames.empty()) draw_graph(state.frames);
   ImGui::PopItemWidth();

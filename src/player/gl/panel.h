@@ -15,6 +15,8 @@ struct PanelState {
   StereoSettings stereo;
   bool walking = false;
   bool visible = true;
+  bool has_lights = true;  ///< that can be added
+  bool has_environment = false;
   bool auto_exposure = false;    ///< wanted for the next picture
   bool screenshot = false;       ///< wanted
   bool turntable = false;        ///< wanted

@@ -33,12 +33,26 @@ class SplatPass {
 /// What a picture's colours are made of.
 enum class Colours { kDisplay, kRadiance, kVisibility, kClusters };
 
+/// The picture of an environment in the GL's memory.
+class EnvironmentImage {
+ public:
+  /// Throws UserError where this GL has no room for it.
+  explicit EnvironmentImage(const Environment& environment);
+  void read_at(GLuint texture_unit) const;
+  [[nodiscard]] float turn() const { return turn_; }
+
+ private:
+  Name texture_;
+  float turn_;
+};
+
 struct ShadeInput {
   const Canvas* surfaces;
   const Canvas* splats;
   const LightTable* lights;
   const SampleFields* fields;
-  Vec3f eye;
+  const SceneCamera* camera;
+  const EnvironmentImage* environment;  ///< null: none
 };
 
 class ShadePass {
@@ -47,7 +61,7 @@ class ShadePass {
   void draw(const ShadeInput& input, Colours colours, const Look& look, const Canvas& picture);
 
  private:
-  Program& program(const LightTable& lights, int quads, Colours colours);
+  Program& program(const ShadeInput& input, Colours colours);
   const SampleBuffers* samples_;
   TexelBuffer cluster_colours_;
   std::map<std::string, Program> programs_;

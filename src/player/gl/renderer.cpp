@@ -113,11 +113,14 @@ struct GlRenderer::State {
   /// Brings surfaces and splats up to date.
   void look_from(const SceneCamera& camera, bool weak, GlView::Images& images);
   [[nodiscard]] ShadeInput input(const GlView::Images& images) const {
-    return {&images.surfaces, &images.splats, &*lights, &*fields, images.camera->eye};
+    return {&images.surfaces, &images.splats,  &*lights,
+            &*fields,         &*images.camera, background ? &*background : nullptr};
   }
+  /// Makes the samples' fields those of a picture that shows that.
+  void show(Show wanted);
   void shrink(const Canvas& from, int side, const Canvas& to);
   /// Of the last look_from(): picture samples from the lower left, w 1 where there is a surface.
-  std::vector<Eigen::Vector4f> radiance(GlView::Images& images, Show show);
+  std::vector<Eigen::Vector4f> radiance(GlView::Images& images, const Look& look);
 
   int area_samples;
   SampleBuffers samples;
@@ -129,6 +132,8 @@ struct GlRenderer::State {
   ScreenTriangle screen;
   std::optional<LightTable> lights;
   std::optional<SampleFields> fields;
+  Show shown = Show::kFull;  ///< what the fields are made for
+  std::optional<EnvironmentImage> background;
   PassClock clock;
 };
 
@@ -142,6 +147,12 @@ void GlRenderer::State::look_from(const SceneCamera& camera, bool weak, GlView::
   clock.stop("splats");
   images.camera = camera;
   images.weak = weak;
+}
+
+void GlRenderer::State::show(Show wanted) {
+  if (wanted == shown) return;
+  interpreter.show(*fields, wanted);
+  shown = wanted;
 }
 
 void GlRenderer::State::shrink(const Canvas& from, int side, const Canvas& to) {
@@ -160,7 +171,7 @@ GlRenderer::GlRenderer(const Package& package, int area_samples)
 }
 GlRenderer::~GlRenderer() = default;
 
-void GlRenderer::set_lights(std::span<const Light> lights) {
+void GlRenderer::set_lights(std::span<const Light> lights, const MatrixF& environment) {
   if (lights.size() > static_cast<std::size_t>(kMostLights)) {
     throw UserError(
         fmt::format("--backend gl plays up to {} lights at once, not {}; use --backend "
@@ -174,8 +185,13 @@ void GlRenderer::set_lights(std::span<const Light> lights) {
   if (!s.fields || s.fields->stride != SampleFields::stride_for(count)) {
     s.fields.emplace(s.samples.count, count);
   }
-  s.interpreter.run(*s.lights, *s.fields);
+  s.interpreter.run(*s.lights, environment, *s.fields, s.shown);
   s.clock.stop("light");
+}
+
+void GlRenderer::set_background(const Environment* environment) {
+  state_->background.reset();
+  if (environment != nullptr) state_->background.emplace(*environment);
 }
 
 void GlRenderer::draw(GlView& view, const SceneCamera& camera, const Look& look) {
@@ -183,15 +199,17 @@ void GlRenderer::draw(GlView& view, const SceneCamera& camera, const Look& look)
   GlView::Images& images = *view.images_;
   s.look_from(camera, look.show == Show::kVisibility, images);
   s.clock.start();
+  s.show(look.show);
   const Canvas& canvas = images.samples ? *images.samples : images.picture;
   s.shade.draw(s.input(images), colours_of(look.show), look, canvas);
   if (images.samples) s.shrink(canvas, view.side_, images.picture);
   s.clock.stop("shade");
 }
 
-std::vector<Eigen::Vector4f> GlRenderer::State::radiance(GlView::Images& images, Show show) {
+std::vector<Eigen::Vector4f> GlRenderer::State::radiance(GlView::Images& images, const Look& look) {
+  show(look.show);
   const Canvas canvas(images.surfaces.width(), images.surfaces.height(), {kVec4Image}, false);
-  shade.draw(input(images), Colours::kRadiance, {show, 1.0F}, canvas);
+  shade.draw(input(images), Colours::kRadiance, look, canvas);
   std::vector<Eigen::Vector4f> values(static_cast<std::size_t>(canvas.width()) *
                                       static_cast<std::size_t>(canvas.height()));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, canvas.framebuffer());
@@ -199,18 +217,20 @@ std::vector<Eigen::Vector4f> GlRenderer::State::radiance(GlView::Images& images,
   return values;
 }
 
-float GlRenderer::own_exposure(GlView& view, const SceneCamera& camera) {
+float GlRenderer::own_exposure(GlView& view, const SceneCamera& camera, const Look& look) {
   state_->look_from(camera, false, *view.images_);
+  Look full = look;
+  full.show = Show::kFull;
   std::vector<Vec3f> seen;
-  for (const Eigen::Vector4f& v : state_->radiance(*view.images_, Show::kFull)) {
+  for (const Eigen::Vector4f& v : state_->radiance(*view.images_, full)) {
     if (v.w() > 0.0F) seen.emplace_back(v.head<3>());
   }
   return prt::own_exposure(seen);
 }
 
-std::vector<float> GlRenderer::radiance(GlView& view, const SceneCamera& camera, Show show) {
+std::vector<float> GlRenderer::radiance(GlView& view, const SceneCamera& camera, const Look& look) {
   state_->look_from(camera, false, *view.images_);
-  const std::vector<Eigen::Vector4f> samples = state_->radiance(*view.images_, show);
+  const std::vector<Eigen::Vector4f> samples = state_->radiance(*view.images_, look);
   const int side = view.side_;
   const float share = 1.0F / static_cast<float>(side * side);
   std::vector<float> pixels(std::size_t{3} * static_cast<std::size_t>(view.width_) *
@@ -220,12 +240,14 @@ std::vector<float> GlRenderer::radiance(GlView& view, const SceneCamera& camera,
     const std::size_t x = i % across / static_cast<std::size_t>(side);
     const std::size_t up = i / across / static_cast<std::size_t>(side);
     const std::size_t y = static_cast<std::size_t>(view.height_) - 1 - up;
+    const float kept = state_->background ? 1.0F : samples[i].w();
     float* pixel = &pixels[3 * (y * static_cast<std::size_t>(view.width_) + x)];
-    for (Eigen::Index c = 0; c < 3; ++c) pixel[c] += share * samples[i].w() * samples[i][c];
+    for (Eigen::Index c = 0; c < 3; ++c) pixel[c] += share * kept * samples[i][c];
   }
   return pixels;
 }
 
+MatrixF GlRenderer::sky() const { return state_->interpreter.sky(); }
 MatrixF GlRenderer::direct() const { return state_->interpreter.direct(); }
 MatrixF GlRenderer::indirect() const { return state_->interpreter.indirect(); }
 void GlRenderer::measure(bool on) { state_->clock.measure(on); }

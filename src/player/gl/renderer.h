@@ -47,7 +47,9 @@ std::string renderer_name();
 /// How a view is drawn.
 struct Look {
   Show show = Show::kFull;
-  float exposure = 1.0F;  ///< factor on radiance before the filmic curve
+  float exposure = 1.0F;    ///< factor on radiance before the filmic curve
+  float turn = 0.0F;        ///< of the environment's picture, degrees about +Y
+  float reflection = 0.0F;  ///< share of it that surfaces mirror (SH §7)
 };
 
 /// What one camera sees, and what is kept while it stands still: surfaces, and the samples that
@@ -90,18 +92,24 @@ class GlRenderer {
   GlRenderer(const GlRenderer&) = delete;
   GlRenderer& operator=(const GlRenderer&) = delete;
 
-  /// Light work at the samples. Throws UserError for more than kMostLights.
-  void set_lights(std::span<const Light> lights);
+  /// Light work at the samples; `environment` as for Evaluator::evaluate. Throws UserError for more
+  /// than kMostLights.
+  void set_lights(std::span<const Light> lights, const MatrixF& environment = {});
+  /// What pictures show behind all surfaces, and mirrored in them; null: nothing. Throws UserError
+  /// where this OpenGL has no room for it.
+  void set_background(const Environment* environment);
   /// Draws into the view.
   void draw(GlView& view, const SceneCamera& camera, const Look& look);
   /// The exposure that puts what the camera sees where pictures have it (player/picture.h).
-  [[nodiscard]] float own_exposure(GlView& view, const SceneCamera& camera);
+  [[nodiscard]] float own_exposure(GlView& view, const SceneCamera& camera, const Look& look = {});
 
-  /// What Picture::radiance holds of a linear picture; `show` is kFull, kDirect or kIndirect.
-  [[nodiscard]] std::vector<float> radiance(GlView& view, const SceneCamera& camera, Show show);
+  /// What Picture::radiance holds of a linear picture; look.show is kFull, kDirect or kIndirect.
+  [[nodiscard]] std::vector<float> radiance(GlView& view, const SceneCamera& camera,
+                                            const Look& look);
 
   /// Irradiance at the samples, n × 3, W/m²: what Evaluator::evaluate gives.
   [[nodiscard]] MatrixF direct() const;
+  [[nodiscard]] MatrixF sky() const;  ///< zero where the package takes no environment
   [[nodiscard]] MatrixF indirect() const;
 
   /// While on, each pass is waited for and timed: frames take longer.

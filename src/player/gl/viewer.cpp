@@ -15,6 +15,8 @@ constexpr int kTurntablePictures = 60;
 /// resolution until it stands.
 constexpr double kSlowFrame = 50.0;
 constexpr int kCoarse = 2;
+/// Degrees that an environment turns by.
+constexpr float kTurnPerPixel = 0.5F;
 /// Metres a second on foot, as a share of the scene's diagonal.
 constexpr float kWalkSpeed = 0.1F;
 
@@ -42,6 +44,10 @@ class Viewer {
     panel_.scene_size = package.scene.diagonal();
     panel_.auto_exposure = !settings.exposure;
     panel_.stage.exposure = settings.exposure.value_or(1.0F);
+    panel_.has_lights = has_direct_light(package);
+    panel_.has_environment = settings.sky != nullptr;
+    renderer_.set_background(settings.environment);
+    if (settings.sky != nullptr) renderer_.set_lights({}, settings.sky->coefficients(start.turn));
     renderer_.measure(true);
   }
 
@@ -73,6 +79,8 @@ class Viewer {
     if (dragging && !panel_.stage.lights.empty()) {
       Light& light = panel_.stage.lights[panel_.selected];
       light = dragged(light, input.left, input.shift, camera, window_.height());
+    } else if (dragging && panel_.has_environment) {
+      panel_.stage.turn += kTurnPerPixel * input.left.x;
     }
     for (const int key : input.pressed) {
       if (key == 'P') panel_.screenshot = true;
@@ -94,22 +102,30 @@ class Viewer {
     drawn_width_ = width;
   }
 
+  [[nodiscard]] Look look() const {
+    return {panel_.show, panel_.stage.exposure, panel_.stage.turn, panel_.stage.reflection};
+  }
+
   void draw() {
     fit();
     const auto& lights = panel_.stage.lights;
-    if (!std::equal(lights.begin(), lights.end(), lit_.begin(), lit_.end(), same_light)) {
-      renderer_.set_lights(lights);
+    const float turn = panel_.stage.turn;
+    if (turn != turned_ ||
+        !std::equal(lights.begin(), lights.end(), lit_.begin(), lit_.end(), same_light)) {
+      const EnvironmentLight* sky = settings_.sky;
+      renderer_.set_lights(lights, sky != nullptr ? sky->coefficients(turn) : MatrixF());
       lit_ = lights;
+      turned_ = turn;
     }
     SceneCamera camera = panel_.stage.camera;
     if (turntable_ >= 0) camera = turntable(camera, float(turntable_) / kTurntablePictures);
     if (std::exchange(panel_.auto_exposure, false)) {
-      panel_.stage.exposure = eyes_->own_exposure(renderer_, camera);
+      panel_.stage.exposure = eyes_->own_exposure(renderer_, camera, look());
     }
     const bool moving = last_camera_ && !same_place(*last_camera_, camera);
     const bool coarse = moving && slow_ && turntable_ < 0 && !panel_.screenshot;
     Eyes& eyes = coarse ? *coarse_ : *eyes_;
-    eyes.draw(renderer_, camera, {panel_.show, panel_.stage.exposure});
+    eyes.draw(renderer_, camera, look());
     eyes.copy(0, coarse ? kCoarse : 1);
     const PassTimes times = renderer_.take_times();
     if (moving && !coarse) slow_ = total(times) > kSlowFrame;
@@ -149,6 +165,7 @@ class Viewer {
   float drawn_distance_ = 0.0F;
   int drawn_width_ = 0;
   std::vector<Light> lit_;  // what the renderer has
+  float turned_ = 0.0F;
   int screenshots_ = 0;
   int turntable_ = -1;  // its next picture; -1: none
 };

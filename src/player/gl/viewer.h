@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "player/environment_light.h"
 #include "player/gl/eyes.h"
 
 namespace prt::gl {
@@ -18,7 +19,9 @@ struct ViewerSettings {
   Show show = Show::kFull;
   std::optional<float> exposure;  ///< none: the first picture's own
   StereoSettings stereo;
-  std::string pictures = "prt_play";  ///< path that screenshots' names begin with
+  const Environment* environment = nullptr;  ///< null: none
+  const EnvironmentLight* sky = nullptr;     ///< of it
+  std::string pictures = "prt_play";         ///< path that screenshots' names begin with
 };
 
 /// What the user has set up.
@@ -26,15 +29,17 @@ struct Stage {
   std::vector<Light> lights;
   SceneCamera camera;
   float exposure = 1.0F;
+  float turn = 0.0F;        ///< of the environment, degrees
+  float reflection = 0.0F;  ///< share of it that surfaces mirror
 };
 
 /// Shows the package until the window is closed, and returns what was set up last. `say` is called
 /// with one line for each picture that is written. Throws UserError where there is no display or no
 /// OpenGL 4.3.
 ///
-/// Left drag: the light, with shift nearer and farther. Right drag: round the target, or, walking,
-/// the view. Wheel: nearer. W A S D Q E: walk. P: screenshot. T: turntable. F1: the panel. Escape:
-/// the end.
+/// Left drag: the light, with shift nearer and farther; where there is none, the environment turns.
+/// Right drag: round the target, or, walking, the view. Wheel: nearer. W A S D Q E: walk. P:
+/// screenshot. T: turntable. F1: the panel. Escape: the end.
 Stage run_viewer(const Package& package, const Stage& start, const ViewerSettings& settings,
                  const std::function<void(const std::string&)>& say);
 

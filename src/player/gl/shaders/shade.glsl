@@ -1,7 +1,8 @@
 // Light and colour of a pixel, as Evaluator::reconstruct and player/picture.cpp have them: indirect
-// light interpolated from the samples; direct light by the pixel's own distance and cosine times
-// interpolated visibility; tone mapped. LIGHTS is the number of lights, QUADS that of a sample's
-// fields.
+// light, and the environment's, interpolated from the samples; direct light by the pixel's own
+// distance and cosine times interpolated visibility; what is mirrored of the environment; tone
+// mapped. LIGHTS is the number of lights, QUADS that of a sample's fields; with ENVIRONMENT there
+// is a picture of one (environment.glsl).
 layout(binding = 2) uniform sampler2D position_image;
 layout(binding = 3) uniform usampler2D surface_image;
 layout(binding = 4) uniform usampler2D splats_0;
@@ -13,7 +14,6 @@ layout(binding = 9) uniform samplerBuffer cluster_colours;
 layout(location = 0) out vec4 colour_out;
 
 uniform float direct_share;
-uniform float indirect_share;
 uniform float exposure;
 uniform vec3 background;
 uniform vec3 unlit_colour;
@@ -90,8 +90,14 @@ vec3 radiance(vec3 p, uvec4 surface) {
     direct += max(0.0, visibility_of(light)) * unshadowed(light, p, normal);
   }
 #endif
-  vec3 irradiance = direct_share * direct + indirect_share * indirect;
-  return max(vec3(0), surface_albedo(surface) * irradiance) / kPi;
+  vec3 irradiance = direct_share * direct + indirect;
+  vec3 colour = max(vec3(0), surface_albedo(surface) * irradiance) / kPi;
+#ifdef ENVIRONMENT
+  for (bool mirrors = reflection > 0.0; mirrors; mirrors = false) {
+    colour += reflection * environment_at(reflect(normalize(p - eye), normal));
+  }
+#endif
+  return colour;
 }
 
 vec3 cluster_colour(ivec2 pixel, vec3 p, vec3 normal) {
@@ -125,5 +131,14 @@ void main() {
 #endif
 #endif
 #endif
-  colour_out = position.w > 0.0 ? vec4(colour, 1.0) : vec4(background, 0.0);
+  vec3 behind = background;
+#ifdef ENVIRONMENT
+  for (bool open = position.w <= 0.0; open; open = false) {
+    behind = environment_at(view_direction());
+#ifndef RADIANCE
+    behind = filmic(exposure * behind);
+#endif
+  }
+#endif
+  colour_out = position.w > 0.0 ? vec4(colour, 1.0) : vec4(behind, 0.0);
 }
