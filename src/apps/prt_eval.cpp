@@ -5,6 +5,7 @@
 #include "apps/prt_eval_command.h"
 #include "apps/prt_eval_error.h"
 #include "apps/prt_eval_points.h"
+#include "apps/prt_eval_sky.h"
 #include "base/log.h"
 
 namespace {
@@ -16,10 +17,14 @@ prt::ExitCode run(int argc, char** argv) {
     std::fputs(message.c_str(), stdout);
     return prt::ExitCode::kDone;
   }
-  if (command->form == prt::EvalCommand::Form::kError)
+  using Form = prt::EvalCommand::Form;
+  if (command->form == Form::kError) {
     prt::report_package_error(*command);
-  else
+  } else if (command->form == Form::kSkyError) {
+    prt::report_sky_error(*command);
+  } else {
     prt::evaluate_points(*command);
+  }
   return prt::ExitCode::kDone;
 }
 

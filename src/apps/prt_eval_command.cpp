@@ -5,6 +5,7 @@
 
 #include "apps/program.h"
 #include "base/error.h"
+#include "scene/environment.h"
 
 namespace prt {
 namespace {
@@ -12,12 +13,12 @@ namespace {
 /// What the parser fills in, before it is checked as a whole.
 struct Words {
   std::string package, reference, points, output, json, pictures;
-  std::vector<std::string> lights;
+  std::vector<std::string> lights, environments;
   float clearance = 0.0F;
 };
 
 [[noreturn]] void refuse(const std::string& why) {
-  throw UserError("command line: " + why + "; prt_eval --help shows the three forms");
+  throw UserError("command line: " + why + "; prt_eval --help shows the four forms");
 }
 
 /// Options that belong to one form only are refused in the others rather than ignored.
@@ -32,10 +33,17 @@ void check_form(const CLI::App& app, const Words& words) {
     for (const char* option : {"--light", "--output"}) {
       if (given(option)) refuse(std::string(option) + " needs --points FILE.csv");
     }
+    if (words.environments.empty()) return;
+    for (const char* option : {"--lights", "--clearance", "--pictures"}) {
+      if (given(option)) refuse(std::string(option) + " does not go with --env");
+    }
     return;
   }
   if (words.output.empty()) refuse("--points needs -o OUT.csv");
-  if (words.lights.empty()) refuse("--points needs at least one --light SPEC");
+  if (words.lights.empty() && words.environments.empty()) {
+    refuse("--points needs at least one --light SPEC or an --env SPEC");
+  }
+  if (words.environments.size() > 1) refuse("--points takes one --env SPEC");
   for (const char* option : {"--lights", "--clearance", "--json", "--pictures"}) {
     if (given(option)) refuse(std::string(option) + " does not go with --points");
   }
@@ -85,23 +93,33 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("SPEC");
+  app.add_option("--env", words.environments, std::string("an environment: ") + kEnvironmentForms)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->type_name("SPEC");
   app.add_option("--reference", words.reference, "path trace this scene (.glb or .gltf)")
       ->type_name("SCENE");
   app.add_option("-o,--output", words.output, "points with their irradiance, W/m²")
       ->type_name("OUT.csv");
   app.footer(
-      "Three forms:\n"
+      "Four forms:\n"
       "  prt_eval PACKAGE [--lights N] [--seed S] [--spp N] [--clearance M] [--json FILE] "
       "[--pictures DIR]\n"
-      "  prt_eval PACKAGE --points FILE.csv --light SPEC... -o OUT.csv\n"
-      "  prt_eval --reference SCENE --points FILE.csv --light SPEC... [--spp N] [--seed S] -o "
+      "  prt_eval PACKAGE --env SPEC... [--seed S] [--spp N] [--json FILE]\n"
+      "  prt_eval PACKAGE --points FILE.csv --light SPEC... [--env SPEC] -o OUT.csv\n"
+      "  prt_eval --reference SCENE --points FILE.csv --light SPEC... [--env SPEC] [--spp N] "
+      "[--seed S] -o "
       "OUT.csv\n"
       "Exit codes: 0 done, 2 bad command line or input, 1 anything else.");
   if (!parse_arguments(app, argc, argv, message)) return std::nullopt;
   check_form(app, words);
-  command.form = words.points.empty()      ? EvalCommand::Form::kError
-                 : words.reference.empty() ? EvalCommand::Form::kPlayPoints
-                                           : EvalCommand::Form::kTracePoints;
+  using Form = EvalCommand::Form;
+  command.environments = words.environments;
+  if (words.points.empty()) {
+    command.form = words.environments.empty() ? Form::kError : Form::kSkyError;
+  } else {
+    command.form = words.reference.empty() ? Form::kPlayPoints : Form::kTracePoints;
+  }
   command.input = words.reference.empty() ? words.package : words.reference;
   if (clearance->count() > 0) command.clearance = words.clearance;
   command.json = words.json;

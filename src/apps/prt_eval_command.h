@@ -14,6 +14,7 @@ namespace prt {
 struct EvalCommand {
   enum class Form {
     kError,       ///< a package's error against the reference
+    kSkyError,    ///< the same under environments
     kPlayPoints,  ///< irradiance at points, as the player has it
     kTracePoints  ///< irradiance at points, path traced
   } form = Form::kError;
@@ -26,7 +27,8 @@ struct EvalCommand {
   std::filesystem::path pictures;  ///< kError; folder for an error picture per light; empty: none
   std::filesystem::path points;    ///< CSV in
   std::vector<WorldLight> point_lights;
-  std::filesystem::path output;  ///< CSV out
+  std::vector<std::string> environments;  ///< specs; one at most for points
+  std::filesystem::path output;           ///< CSV out
 };
 
 /// Parses; throws UserError. For --help returns nothing and leaves the text in `message`.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include "base/log.h"
@@ -10,6 +11,7 @@
 #include "evaluate/points_csv.h"
 #include "evaluate/reference.h"
 #include "package/read.h"
+#include "player/environment_light.h"
 #include "player/evaluator.h"
 #include "scene/embree/embree_ray_caster.h"
 #include "scene/load.h"
@@ -32,8 +34,15 @@ std::vector<PointIrradiance> played(const EvalCommand& command,
   for (const ReceiverPoint& p : points_in(origin, points)) {
     asked.push_back({p.position, p.normal, p.normal});
   }
+  MatrixF sky;
+  if (!command.environments.empty()) {
+    require_environment(package, command.input.string());
+    sky = EnvironmentLight(parse_environment(command.environments[0]), environment_order(package))
+              .coefficients();
+  }
+  if (!command.point_lights.empty()) require_direct_light(package, command.input.string());
   const auto light =
-      player.reconstruct(player.evaluate(lights_in(origin, command.point_lights)), asked);
+      player.reconstruct(player.evaluate(lights_in(origin, command.point_lights), sky), asked);
   std::vector<PointIrradiance> values;
   std::size_t unreached = 0;
   for (std::size_t i = 0; i < light.size(); ++i) {
@@ -57,9 +66,12 @@ std::vector<PointIrradiance> traced(const EvalCommand& command,
                                     const std::vector<WorldPoint>& points) {
   const Scene scene = load_scene(command.input);
   const auto caster = make_embree_ray_caster(scene);
+  std::optional<Environment> sky;
+  if (!command.environments.empty()) sky = parse_environment(command.environments[0]);
   const auto estimates =
       trace_in_parallel(scene, *caster, lights_in(scene.origin, command.point_lights),
-                        points_in(scene.origin, points), {.paths = command.paths},
+                        points_in(scene.origin, points),
+                        {.paths = command.paths, .environment = sky ? &*sky : nullptr},
                         stream_key(command.seed, "reference at points"), 0, [] {});
   std::vector<PointIrradiance> values;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
