@@ -11,11 +11,12 @@ import pathlib
 import sys
 
 from scenes.cornell import closed_box, cornell, large_room, textured_room
+from scenes.courtyard import courtyard
 from scenes.gallery import gallery
 from scenes.house import house
 
 SCENES = {"cornell": cornell, "gallery": gallery, "closed_box": closed_box,
-          "textured_room": textured_room}
+          "textured_room": textured_room, "courtyard": courtyard}
 # Too large for a repository: made only by name.
 LARGE = {"large_room": large_room, "house": house}
 FOLDER = pathlib.Path(__file__).resolve().parent.parent / "configs" / "scenes"

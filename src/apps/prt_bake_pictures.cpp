@@ -8,6 +8,7 @@
 
 #include "apps/inspect/clusters_image.h"
 #include "base/image_file.h"
+#include "player/environment_light.h"
 #include "player/picture.h"
 #include "player/set_up.h"
 
@@ -18,20 +19,33 @@ namespace {
 constexpr int kWidth = 720, kHeight = 480;
 constexpr int kQuality = 85;
 
+std::string jpeg_of(const Evaluator& evaluator, const SampleIrradiance& irradiance,
+                    const Environment* environment) {
+  PictureSettings settings;
+  settings.width = kWidth;
+  settings.height = kHeight;
+  settings.environment = environment;
+  const Picture picture = render(evaluator, irradiance, default_camera(evaluator), settings);
+  return encode_jpeg(picture.width, picture.height, picture.rgb, kQuality);
+}
+
 ReportPicture relit(const Package& package) {
   const Evaluator evaluator(package);
   std::vector<Light> lights;
   for (const SceneLight& light : package.scene.lights) lights.push_back(to_light(light));
   const bool own = !lights.empty();
   if (!own) lights.push_back(default_light(evaluator));
-  PictureSettings settings;
-  settings.width = kWidth;
-  settings.height = kHeight;
-  const Picture picture =
-      render(evaluator, evaluator.evaluate(lights), default_camera(evaluator), settings);
   return {"The room, played from the package",
           own ? "under the scene's own lights" : "under a point light in the middle of the scene",
-          encode_jpeg(picture.width, picture.height, picture.rgb, kQuality), "", ""};
+          jpeg_of(evaluator, evaluator.evaluate(lights), nullptr), "", ""};
+}
+
+ReportPicture under_a_sky(const Package& package) {
+  const Evaluator evaluator(package);
+  const Environment sky = default_environment();
+  const MatrixF coefficients = EnvironmentLight(sky, environment_order(package)).coefficients();
+  return {"The scene, played from the package", "under a clear sky",
+          jpeg_of(evaluator, evaluator.evaluate({}, coefficients), &sky), "", ""};
 }
 
 std::string jpeg_of(const Drawing& drawing) {
@@ -64,7 +78,9 @@ bool any_known(const ClusterValues& values) {
 DrawReportPictures make_report_pictures() {
   return [](const Package& package, const auto& result, const std::vector<TaskHistory>& tasks) {
     const SampleSet& samples = package.samples;
-    std::vector<ReportPicture> pictures = {relit(package)};
+    std::vector<ReportPicture> pictures;
+    if (has_direct_light(package)) pictures.push_back(relit(package));
+    if (environment_order(package) > 0) pictures.push_back(under_a_sky(package));
     pictures.push_back(
         {"Clusters", fmt::format("{} samples in {} clusters", samples.size(), samples.clusters()),
          jpeg_of(draw_clusters(samples, {}, kWidth, kHeight)), "", ""});

@@ -65,13 +65,21 @@ std::string cards(const json& report) {
     return "± " + percent(member(error, {kind, "standard_error"})) + " noise, ± " +
            percent(member(error, {kind, "light_error"})) + " lights";
   };
-  return "<div class=cards>\n" +
-         card("indirect light is off by", percent(member(error, {"indirect", "rel_rmse"})),
-              plus_minus("indirect")) +
-         card("direct light is off by", percent(member(error, {"direct", "rel_rmse"})),
-              plus_minus("direct")) +
-         card("shadow tests wrong", percent(member(error, {"visibility_error"})), "") +
-         card("package", bytes_text(report["package_bytes"]), "") +
+  std::string all = "<div class=cards>\n";
+  const json sky = member(error, {"environment", "total"});
+  if (sky.is_null() || member(error, {"indirect"}).is_object()) {
+    all += card("indirect light is off by", percent(member(error, {"indirect", "rel_rmse"})),
+                plus_minus("indirect")) +
+           card("direct light is off by", percent(member(error, {"direct", "rel_rmse"})),
+                plus_minus("direct")) +
+           card("shadow tests wrong", percent(member(error, {"visibility_error"})), "");
+  }
+  if (sky.is_object()) {
+    all += card("light of the sky is off by", percent(member(sky, {"rel_rmse"})),
+                "± " + percent(member(sky, {"standard_error"})) + " noise, ± " +
+                    percent(member(sky, {"light_error"})) + " skies");
+  }
+  return all + card("package", bytes_text(report["package_bytes"]), "") +
          card("bake", fmt::format("{:.1f} s", report["bake_seconds"].get<double>()),
               fmt::format("{} triangles", text_of(report["scene"]["triangles"]))) +
          "</div>\n";
@@ -108,6 +116,11 @@ std::string error_table(const json& error) {
   line("indirect, on the surface", member(error, {"indirect", "surface"}));
   line("direct, at samples", member(error, {"direct"}));
   line("direct, on the surface", member(error, {"direct", "surface"}));
+  for (const char* part : {"total", "direct", "indirect"}) {
+    const std::string name = std::string("under skies, ") + part;
+    line((name + ", at samples").c_str(), member(error, {"environment", part}));
+    line((name + ", on the surface").c_str(), member(error, {"environment", part, "surface"}));
+  }
   return out + "</table></div>\n";
 }
 
