@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/program.h"
 #include "apps/prt_play_command.h"
@@ -16,6 +17,7 @@
 #include "base/image_file.h"
 #include "base/log.h"
 #include "package/read.h"
+#include "player/environment_light.h"
 #include "player/set_up.h"
 
 namespace prt {
@@ -27,20 +29,55 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+/// An environment as it is played and shown.
+struct Sky {
+  Environment environment;
+  EnvironmentLight light;
+};
+
+/// Those asked for. With an environment and no light, none; with neither, the player's choice of
+/// what the package takes.
+std::vector<Light> chosen_lights(const PlayCommand& command, const Evaluator& evaluator) {
+  const Package& package = evaluator.package();
+  if (!command.lights.empty()) {
+    require_direct_light(package, command.package);
+    return lights_in(package.scene.origin, command.lights);
+  }
+  if (!command.environment.empty() || !has_direct_light(package)) return {};
+  return {default_light(evaluator)};
+}
+
+std::optional<Sky> chosen_sky(const PlayCommand& command, const Package& package) {
+  const bool asked = !command.environment.empty();
+  if (!asked && has_direct_light(package)) return std::nullopt;
+  require_environment(package, command.package);
+  const Environment environment =
+      (asked ? parse_environment(command.environment) : default_environment())
+          .turned(command.rotate);
+  return Sky{environment, EnvironmentLight(environment, environment_order(package))};
+}
+
 struct Session {
   const PlayCommand& command;
   Package package;
   Evaluator evaluator;
   std::vector<Light> lights;
+  std::optional<Sky> sky;
   SceneCamera camera;
+  PictureSettings picture;
 
   explicit Session(const PlayCommand& c)
       : command(c),
         package(read_package(c.package)),
         evaluator(package, {.area_samples = c.area_samples, .threads = 0}),
-        lights(c.lights.empty() ? std::vector{default_light(evaluator)}
-                                : lights_in(package.scene.origin, c.lights)),
-        camera(c.camera ? c.camera->in(package.scene.origin) : default_camera(evaluator)) {}
+        lights(chosen_lights(c, evaluator)),
+        sky(chosen_sky(c, package)),
+        camera(c.camera ? c.camera->in(package.scene.origin) : default_camera(evaluator)),
+        picture(c.picture) {
+    if (sky) picture.environment = &sky->environment;
+  }
+  Session(const Session&) = delete;  // the picture's settings point into it
+  Session& operator=(const Session&) = delete;
 };
 
 nlohmann::json describe(const Session& session) {
@@ -49,13 +86,16 @@ nlohmann::json describe(const Session& session) {
           {"clusters", session.package.samples.clusters()},
           {"triangles", session.package.scene.triangles.size()},
           {"lights", session.lights.size()},
+          {"environment_order", environment_order(session.package)},
           {"package_bytes", std::filesystem::file_size(session.command.package)}};
 }
 
-/// One light change, timed.
-void relight(const Session& session, SampleIrradiance& irradiance, std::vector<double>& times) {
+/// One light change, timed; the environment is turned by so many degrees.
+void relight(const Session& session, double turn, SampleIrradiance& irradiance,
+             std::vector<double>& times) {
   const auto start = Clock::now();
-  session.evaluator.evaluate(session.lights, irradiance);
+  const MatrixF sky = session.sky ? session.sky->light.coefficients(turn) : MatrixF();
+  session.evaluator.evaluate(session.lights, sky, irradiance);
   times.push_back(milliseconds_since(start));
 }
 
@@ -67,13 +107,12 @@ void bench(const Session& session, nlohmann::json& report) {
   auto start = Clock::now();
   SampleIrradiance irradiance;
   do {
-    relight(session, irradiance, play);
+    relight(session, static_cast<double>(play.size()), irradiance, play);
   } while (milliseconds_since(start) < budget);
   start = Clock::now();
   do {
     const auto frame = Clock::now();
-    static_cast<void>(
-        render(session.evaluator, irradiance, session.camera, session.command.picture));
+    static_cast<void>(render(session.evaluator, irradiance, session.camera, session.picture));
     draw.push_back(milliseconds_since(frame));
   } while (milliseconds_since(start) < budget);
   report["play_ms"] = median(play);
@@ -85,8 +124,8 @@ void bench(const Session& session, nlohmann::json& report) {
 void draw(const Session& session, nlohmann::json& report) {
   std::vector<double> times;
   SampleIrradiance irradiance;
-  relight(session, irradiance, times);
-  PictureSettings settings = session.command.picture;
+  relight(session, 0.0, irradiance, times);
+  PictureSettings settings = session.picture;
   settings.samples_per_side = kKeptSamples;
   const Picture picture = render(session.evaluator, irradiance, session.camera, settings);
   if (settings.linear) {
@@ -156,7 +195,10 @@ ExitCode run(int argc, char** argv) {
   nlohmann::json report = describe(session);
 #ifdef PRT_HAVE_GL
   if (command->gl) {
-    play_gl(*command, {session.package, session.lights, session.camera, start}, report);
+    play_gl(*command,
+            {session.package, session.lights, session.sky ? &session.sky->environment : nullptr,
+             session.sky ? &session.sky->light : nullptr, session.camera, start},
+            report);
     print(report, command->json);
     return ExitCode::kDone;
   }
@@ -166,7 +208,7 @@ ExitCode run(int argc, char** argv) {
   if (!report.contains("play_ms")) {
     std::vector<double> times;
     SampleIrradiance irradiance;
-    relight(session, irradiance, times);
+    relight(session, 0.0, irradiance, times);
     report["play_ms"] = times.front();
   }
   print(report, command->json);

@@ -11,6 +11,7 @@
 
 #include "apps/program.h"
 #include "base/error.h"
+#include "scene/environment.h"
 
 namespace prt {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 /// What the parser fills in, before it is checked as a whole.
 struct Words {
   std::vector<std::string> lights;
-  std::string backend = "cpu", camera, size = "1024x768", show = "full", environment;
+  std::string backend = "cpu", camera, size = "1024x768", show = "full";
   float exposure = 1.0F;
 };
 
@@ -73,8 +74,8 @@ void refuse_what_is_not_built(const Words& words, const PlayCommand& command) {
   if (command.stereo && !command.gl) {
     throw UserError("--stereo: only --backend gl draws two eyes");
   }
-  if (!words.environment.empty()) {
-    throw UserError("--env: this package has no environment layer; leave it out");
+  if (command.environment.empty() && command.picture.reflection > 0.0F) {
+    throw UserError("--reflection: needs an --env that is mirrored");
   }
   if (command.out.empty()) return;
   const std::string extension = std::filesystem::path(command.out).extension().string();
@@ -105,8 +106,20 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->type_name("SPEC");
-  app.add_option("--env", words.environment, "environment (not built into this program)")
-      ->type_name("FILE.hdr|.exr");
+  app.add_option("--env", command.environment,
+                 std::string("light from infinitely far away, in packages with an environment "
+                             "layer: ") +
+                     kEnvironmentForms)
+      ->type_name("FILE.hdr|.exr|SPEC");
+  app.add_option("--rotate", command.rotate,
+                 "turn the environment about the vertical, counter-clockwise from above")
+      ->check(CLI::Range(-1e4, 1e4))
+      ->type_name("DEGREES");
+  app.add_option("--reflection", command.picture.reflection,
+                 "share of the environment that surfaces mirror beside their diffuse light; for "
+                 "looks, it is not in prt_eval's figures")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("F");
   app.add_option(
          "--camera", words.camera,
          "eye and target (m, in the scene file's world) and vertical field of view (degrees) "

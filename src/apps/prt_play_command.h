@@ -25,6 +25,8 @@ struct PlayCommand {
   std::string package;
   bool gl = false;                 ///< the GL back end
   std::vector<WorldLight> lights;  ///< none given: the player chooses
+  std::string environment;         ///< spec; empty: none, or the player's choice
+  double rotate = 0.0;             ///< of the environment, degrees about +Y
   std::optional<WorldCamera> camera;
   PictureSettings picture;
   int area_samples = 25;

@@ -24,6 +24,16 @@ gl::StereoSettings stereo_of(const PlayCommand& command) {
   return {.on = command.stereo, .eye_distance = command.eye_distance};
 }
 
+gl::Look look_of(const PlayCommand& command) {
+  return {.show = command.picture.show, .reflection = command.picture.reflection};
+}
+
+/// The lights as they are, and the environment turned by so many degrees.
+void relight(const GlScene& scene, gl::GlRenderer& renderer, const std::vector<Light>& lights,
+             double turn = 0.0) {
+  renderer.set_lights(lights, scene.sky != nullptr ? scene.sky->coefficients(turn) : MatrixF());
+}
+
 std::vector<Light> moved(std::vector<Light> lights, const Scene& scene, int frame) {
   const float angle = 2.0F * kPi * static_cast<float>(frame % kFramesPerRound) / kFramesPerRound;
   const float radius = kCircle * scene.diagonal();
@@ -49,14 +59,16 @@ class Bench {
         renderer_(renderer),
         eyes_(command.picture.width, command.picture.height, stereo_of(command)),
         seconds_(command.bench_seconds / 3.0),
-        look_{command.picture.show, 1.0F} {
+        look_(look_of(command)) {
     look_.exposure = command.picture.exposure ? *command.picture.exposure
-                                              : eyes_.own_exposure(renderer_, scene_.camera);
+                                              : eyes_.own_exposure(renderer_, scene_.camera, look_);
   }
 
   nlohmann::json run() {
     const auto light = [&](int i) {
-      renderer_.set_lights(moved(scene_.lights, scene_.package.scene, i));
+      const double turn = 360.0 * (i % kFramesPerRound) / kFramesPerRound;
+      relight(scene_, renderer_, moved(scene_.lights, scene_.package.scene, i), turn);
+      look_.turn = scene_.sky != nullptr ? static_cast<float>(turn) : 0.0F;
       eyes_.draw(renderer_, scene_.camera, look_);
     };
     const auto camera = [&](int i) { eyes_.draw(renderer_, moved(scene_.camera, i), look_); };
@@ -117,12 +129,12 @@ class Bench {
 void draw(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& renderer,
           nlohmann::json& report) {
   gl::Eyes eyes(command.picture.width, command.picture.height, stereo_of(command), kKeptSamples);
-  gl::Look look{command.picture.show, 1.0F};
+  gl::Look look = look_of(command);
   look.exposure = command.picture.exposure ? *command.picture.exposure
-                                           : eyes.own_exposure(renderer, scene.camera);
+                                           : eyes.own_exposure(renderer, scene.camera, look);
   if (command.picture.linear) {
     write_exr(command.out, eyes.width(), eyes.height(),
-              eyes.radiance(renderer, scene.camera, look.show));
+              eyes.radiance(renderer, scene.camera, look));
   } else {
     eyes.draw(renderer, scene.camera, look);
     write_png(command.out, eyes.width(), eyes.height(), eyes.pixels());
@@ -134,21 +146,23 @@ void draw(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& rend
 /// As a window would show it first: in full size, with an exposure of its own.
 void first_frame(const PlayCommand& command, const GlScene& scene, gl::GlRenderer& renderer) {
   gl::Eyes eyes(command.picture.width, command.picture.height, stereo_of(command));
-  const float exposure = eyes.own_exposure(renderer, scene.camera);
-  eyes.draw(renderer, scene.camera, {command.picture.show, exposure});
+  gl::Look look = look_of(command);
+  look.exposure = eyes.own_exposure(renderer, scene.camera, look);
+  eyes.draw(renderer, scene.camera, look);
   eyes.wait();
 }
 
 void play_offscreen(const PlayCommand& command, const GlScene& scene, nlohmann::json& report) {
   const gl::OffscreenContext context;
   gl::GlRenderer renderer(scene.package, command.area_samples);
-  renderer.set_lights(scene.lights);
+  renderer.set_background(scene.environment);
+  relight(scene, renderer, scene.lights);
   report["renderer"] = gl::renderer_name();
   first_frame(command, scene, renderer);
   report["first_frame_ms"] = 1000.0 * (steady_seconds() - scene.start);
   if (command.bench_seconds > 0.0) report["bench"] = Bench(command, scene, renderer).run();
   renderer.measure(true);
-  renderer.set_lights(scene.lights);
+  relight(scene, renderer, scene.lights);
   report["play_ms"] = renderer.take_times().front().second;
   renderer.measure(false);
   if (!command.out.empty()) draw(command, scene, renderer, report);
@@ -167,6 +181,7 @@ nlohmann::json describe(const gl::Stage& stage, const Vec3d& origin) {
   return {{"lights", lights},
           {"eye", numbers(origin + stage.camera.eye.cast<double>())},
           {"target", numbers(origin + stage.camera.target.cast<double>())},
+          {"turn", stage.turn},
           {"exposure", stage.exposure}};
 }
 
@@ -177,10 +192,13 @@ void play_in_window(const PlayCommand& command, const GlScene& scene, nlohmann::
                                     .area_samples = command.area_samples,
                                     .show = command.picture.show,
                                     .exposure = command.picture.exposure,
-                                    .stereo = stereo_of(command)};
+                                    .stereo = stereo_of(command),
+                                    .environment = scene.environment,
+                                    .sky = scene.sky};
   const auto say = [](const std::string& line) { log::info("{}", line); };
-  const gl::Stage end =
-      gl::run_viewer(scene.package, {scene.lights, scene.camera, 1.0F}, settings, say);
+  const gl::Stage end = gl::run_viewer(
+      scene.package, {scene.lights, scene.camera, 1.0F, 0.0F, command.picture.reflection}, settings,
+      say);
   report["end"] = describe(end, scene.package.scene.origin);
 }
 

@@ -6,6 +6,7 @@
 
 #include "apps/prt_play_command.h"
 #include "package/package.h"
+#include "player/environment_light.h"
 #include "scene/light.h"
 
 namespace prt {
@@ -14,6 +15,8 @@ namespace prt {
 struct GlScene {
   const Package& package;
   const std::vector<Light>& lights;
+  const Environment* environment;  ///< null: none
+  const EnvironmentLight* sky;     ///< of it
   const SceneCamera& camera;
   double start;  ///< of the program, on steady_seconds()
 };
