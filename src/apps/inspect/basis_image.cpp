@@ -69,15 +69,6 @@ Drawing draw_function(const Functions& f, Eigen::Index k, int size) {
   return canvas.drawing();
 }
 
-void paste(Drawing& onto, int left, int top, const Drawing& panel) {
-  for (int y = 0; y < panel.height(); ++y) {
-    for (int x = 0; x < panel.width(); ++x) {
-      const auto rgb = panel.at(x, y);
-      onto.set(left + x, top + y, Colour(rgb[0], rgb[1], rgb[2]) / 255.0F);
-    }
-  }
-}
-
 }  // namespace
 
 Drawing draw_basis(const BakeReader& bake, int cluster, std::optional<int> index) {
@@ -105,7 +96,7 @@ Drawing draw_basis(const BakeReader& bake, int cluster, std::optional<int> index
     const int top = kFunctionTitle + i / across * (size + kLabel + kFunctionMargin);
     const int k = first + i;
     drawing.text(left, top, fmt::format("{}", k), kInk);
-    paste(drawing, left, top + kLabel, draw_function(f, k, size));
+    drawing.paste(left, top + kLabel, draw_function(f, k, size));
   }
   return drawing;
 }

@@ -15,28 +15,6 @@ namespace {
 constexpr float kHalfView = 0.35F;  // tangent of half the vertical field of view
 const Colour kUnknown(0.6F, 0.6F, 0.6F);
 
-/// Of eight views from above, the one towards which the samples turn most area.
-Vec3f best_direction(const SampleSet& samples) {
-  constexpr int kViews = 8;
-  constexpr float kElevation = 0.75F;  // as tangent
-  Vec3f best = Vec3f::UnitZ();
-  float most = -1.0F;
-  for (int i = 0; i < kViews; ++i) {
-    const float angle = 2.0F * kPi * (static_cast<float>(i) + 0.4F) / kViews;
-    const Vec3f view = Vec3f(std::cos(angle), kElevation, std::sin(angle)).normalized();
-    float shown = 0.0F;
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-      const float weight = samples.radii[s] * samples.radii[s];
-      shown += weight * std::max(0.0F, samples.normals[s].dot(view));
-    }
-    if (shown > most) {
-      most = shown;
-      best = view;
-    }
-  }
-  return best;
-}
-
 /// Each cluster in its colour, darker where it is seen at an angle.
 Drawing draw_coloured(const SampleSet& samples, std::span<const Colour> colours,
                       std::span<const std::uint32_t> roots, int width, int height) {
@@ -47,7 +25,7 @@ Drawing draw_coloured(const SampleSet& samples, std::span<const Colour> colours,
   const int high = height * kSplatSupersampling;
   const SplatCamera camera =
       make_splat_camera(samples, 0, static_cast<std::uint32_t>(samples.size()),
-                        best_direction(samples), kHalfView, wide, high);
+                        most_seen_from(samples), kHalfView, wide, high);
   SplatCanvas canvas(wide, high);
   for (std::size_t c = 0; c < samples.clusters(); ++c) {
     for (std::uint32_t s = samples.cluster_begin[c]; s < samples.cluster_begin[c + 1]; ++s) {

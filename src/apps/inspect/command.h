@@ -15,6 +15,7 @@ struct InspectCommand {
   std::string image;  ///< a name of --image; empty: none
   int cluster = 0;
   std::optional<int> index;  ///< sample (depth, default 0) or function (basis, default all)
+  std::string environment;   ///< spec that --image environment draws
   std::filesystem::path output;
 };
 

@@ -44,6 +44,15 @@ void Drawing::fill(int x, int y, int width, int height, const Colour& colour) {
   }
 }
 
+void Drawing::paste(int x, int y, const Drawing& panel) {
+  for (int row = 0; row < panel.height(); ++row) {
+    for (int column = 0; column < panel.width(); ++column) {
+      const auto rgb = panel.at(column, row);
+      set(x + column, y + row, Colour(rgb[0], rgb[1], rgb[2]) / 255.0F);
+    }
+  }
+}
+
 void Drawing::text(int x, int y, const std::string& text, const Colour& colour, int scale) {
   std::vector<Corner> corners(64 * text.size() + 64);  // about 17 a letter are used
   std::string copy = text;                             // the font's interface is not const

@@ -28,6 +28,8 @@ class Drawing {
   /// Outside the picture nothing happens.
   void set(int x, int y, const Colour& colour);
   void fill(int x, int y, int width, int height, const Colour& colour);
+  /// Another drawing, its top left corner at (x, y).
+  void paste(int x, int y, const Drawing& panel);
   /// Top left corner at (x, y); letters are 7 · scale pixels high.
   void text(int x, int y, const std::string& text, const Colour& colour, int scale = 2);
 

@@ -12,6 +12,7 @@
 #include "apps/inspect/clusters_image.h"
 #include "apps/inspect/curves.h"
 #include "apps/inspect/depth_image.h"
+#include "apps/inspect/sky_image.h"
 #include "apps/inspect/tables.h"
 #include "apps/inspect/verify.h"
 #include "apps/inspect/watch.h"
@@ -50,6 +51,10 @@ void draw_image(const InspectCommand& command, const BakeReader& bake, std::stri
     write(draw_depth(bake, command.cluster, command.index.value_or(0)), command.output);
   } else if (command.image == "basis") {
     write(draw_basis(bake, command.cluster, command.index), command.output);
+  } else if (command.image == "sky") {
+    write(draw_sky_transfer(bake, command.index), command.output);
+  } else if (command.image == "environment") {
+    write(draw_environment(bake, command.environment), command.output);
   } else if (command.image == "curves") {
     const std::string svg = draw_curves(bake);
     write_file_atomically(command.output, std::as_bytes(std::span(svg)));

@@ -54,4 +54,25 @@ SplatCamera make_splat_camera(const SampleSet& samples, std::uint32_t begin, std
   return camera;
 }
 
+Vec3f most_seen_from(const SampleSet& samples) {
+  constexpr int kViews = 8;
+  constexpr float kElevation = 0.75F;  // as tangent
+  Vec3f best = Vec3f::UnitZ();
+  float most = -1.0F;
+  for (int i = 0; i < kViews; ++i) {
+    const float angle = 2.0F * kPi * (static_cast<float>(i) + 0.4F) / kViews;
+    const Vec3f view = Vec3f(std::cos(angle), kElevation, std::sin(angle)).normalized();
+    float shown = 0.0F;
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      const float weight = samples.radii[s] * samples.radii[s];
+      shown += weight * std::max(0.0F, samples.normals[s].dot(view));
+    }
+    if (shown > most) {
+      most = shown;
+      best = view;
+    }
+  }
+  return best;
+}
+
 }  // namespace prt

@@ -38,6 +38,9 @@ struct SplatCamera {
 SplatCamera make_splat_camera(const SampleSet& samples, std::uint32_t begin, std::uint32_t end,
                               const Vec3f& towards, float half_view, int width, int height);
 
+/// Of eight views from above, the one towards which the samples turn most area.
+Vec3f most_seen_from(const SampleSet& samples);
+
 /// Colours with depths; nearer wins.
 class SplatCanvas {
  public:
