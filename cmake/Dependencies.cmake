@@ -6,6 +6,7 @@ find_package(spdlog 1.10 CONFIG REQUIRED)
 find_package(nlohmann_json 3.11 CONFIG REQUIRED)
 find_package(TinyGLTF CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
+find_package(OpenEXR 3 REQUIRED CONFIG)
 pkg_check_modules(stb REQUIRED IMPORTED_TARGET stb)  # the decoder inside TinyGLTF
 pkg_check_modules(xxhash REQUIRED IMPORTED_TARGET libxxhash)
 if(PRT_PLAYER_ONLY)

@@ -1,7 +1,11 @@
 #include "base/image_file.h"
 
-#include <array>
-#include <bit>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfOutputFile.h>
+
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -32,22 +36,22 @@ void write_whole(const std::filesystem::path& path, const std::string& bytes) {
   write_file_atomically(path, std::as_bytes(std::span(bytes)));
 }
 
-/// An OpenEXR file as it grows ("OpenEXR File Layout", openexr.com): little-endian numbers, names
-/// that end in a zero.
-struct ExrBytes {
+/// A file that is not on the disk yet.
+class MemoryStream : public Imf::OStream {
+ public:
+  MemoryStream() : OStream("a picture") {}
+  void write(const char from[], int count) override {
+    const auto size = static_cast<std::size_t>(count);
+    if (at_ + size > bytes.size()) bytes.resize(at_ + size);
+    std::memcpy(bytes.data() + at_, from, size);
+    at_ += size;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t to) override { at_ = static_cast<std::size_t>(to); }
   std::string bytes;
-  template <typename T>
-  void put(T value) {
-    static_assert(std::endian::native == std::endian::little);
-    const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-    bytes.append(raw.data(), raw.size());
-  }
-  void name(const char* text) { bytes.append(text, std::strlen(text) + 1); }
-  void attribute(const char* called, const char* type, std::uint32_t size) {
-    name(called);
-    name(type);
-    put(size);
-  }
+
+ private:
+  std::size_t at_ = 0;
 };
 
 }  // namespace
@@ -73,46 +77,25 @@ void write_png(const std::filesystem::path& path, int width, int height,
 
 std::string encode_exr(int width, int height, std::span<const float> rgb) {
   check_size(width, height, rgb.size());
-  ExrBytes exr;
-  exr.put(std::uint32_t{20000630});  // magic number
-  exr.put(std::uint32_t{2});         // version, scan lines of one part
-  exr.attribute("channels", "chlist", 3 * 18 + 1);
-  for (const char* channel : {"B", "G", "R"}) {
-    exr.name(channel);
-    for (const std::uint32_t n : {2U, 0U, 1U, 1U}) exr.put(n);  // float; linear; every pixel
+  Imf::Header header(width, height);
+  header.compression() = Imf::NO_COMPRESSION;
+  Imf::FrameBuffer frame;
+  const std::size_t pixel = 3 * sizeof(float);
+  const char* const names[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+    // The library's slices serve reading, too, and so are not of const.
+    auto* first = reinterpret_cast<char*>(const_cast<float*>(rgb.data() + c));
+    frame.insert(names[c],
+                 Imf::Slice(Imf::FLOAT, first, pixel, pixel * static_cast<std::size_t>(width)));
   }
-  exr.name("");
-  exr.attribute("compression", "compression", 1);
-  exr.put(std::uint8_t{0});  // none
-  for (const char* window : {"dataWindow", "displayWindow"}) {
-    exr.attribute(window, "box2i", 16);
-    for (const int n : {0, 0, width - 1, height - 1}) exr.put(n);
-  }
-  exr.attribute("lineOrder", "lineOrder", 1);
-  exr.put(std::uint8_t{0});  // increasing
-  exr.attribute("pixelAspectRatio", "float", 4);
-  exr.put(1.0F);
-  exr.attribute("screenWindowCenter", "v2f", 8);
-  exr.put(0.0F);
-  exr.put(0.0F);
-  exr.attribute("screenWindowWidth", "float", 4);
-  exr.put(1.0F);
-  exr.name("");
-  const std::uint64_t line = 4ULL * 3ULL * static_cast<std::uint64_t>(width);
-  const std::uint64_t first = exr.bytes.size() + 8ULL * static_cast<std::uint64_t>(height);
-  for (int y = 0; y < height; ++y) exr.put(first + static_cast<std::uint64_t>(y) * (line + 8));
-  for (int y = 0; y < height; ++y) {
-    exr.put(y);
-    exr.put(static_cast<std::uint32_t>(line));
-    for (const std::size_t channel : {2U, 1U, 0U}) {
-      for (int x = 0; x < width; ++x) {
-        exr.put(rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                         static_cast<std::size_t>(x)) +
-                    channel]);
-      }
-    }
-  }
-  return exr.bytes;
+  MemoryStream stream;
+  {
+    Imf::OutputFile file(stream, header, 0);
+    file.setFrameBuffer(frame);
+    file.writePixels(height);
+  }  // whose end completes the table of lines
+  return std::move(stream.bytes);
 }
 
 void write_exr(const std::filesystem::path& path, int width, int height,

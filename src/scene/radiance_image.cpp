@@ -7,13 +7,13 @@
 #include <limits>
 #include <memory>
 
+#include "base/log.h"
 #include "scene/whole_file.h"
 
 namespace prt {
 namespace {
 
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 26;
-constexpr std::int64_t kMostSide = 32768;
 /// The densest runs of .hdr hold 16 pixels per byte; deflate can do a thousand bytes.
 constexpr std::int64_t kPixelsPerByte = 1024;
 
@@ -44,7 +44,7 @@ RadianceImage decode_hdr(const std::vector<unsigned char>& bytes, const std::str
 
 void check_picture_size(std::int64_t width, std::int64_t height, std::size_t file_bytes,
                         const std::string& name) {
-  if (width < 1 || height < 1 || width > kMostSide || height > kMostSide ||
+  if (width < 1 || height < 1 || width > kMostPictureSide || height > kMostPictureSide ||
       width * height > kMostPixels ||
       width * height > kPixelsPerByte * static_cast<std::int64_t>(file_bytes)) {
     refuse(fmt::format("{}: a picture of {} x {} pixels in {} bytes is not read", name, width,
@@ -63,14 +63,16 @@ RadianceImage read_radiance_image(const std::filesystem::path& file) {
     refuse(name + ": it is neither a Radiance .hdr nor an OpenEXR file; convert it to one");
   }
   RadianceImage image = is_hdr ? decode_hdr(bytes, name) : decode_exr(bytes, name);
-  std::size_t not_finite = 0;
+  std::size_t not_finite = 0, negative = 0;
   for (Vec3f& pixel : image.pixels) {
     if (!pixel.allFinite()) ++not_finite;
+    if (pixel.minCoeff() < 0.0F) ++negative;
     pixel = pixel.cwiseMax(0.0F);
   }
   if (not_finite > 0) {
     refuse(fmt::format("{}: {} pixels are not finite; mend the picture", name, not_finite));
   }
+  if (negative > 0) log::warn("{}: {} pixels of negative radiance are taken for 0", name, negative);
   return image;
 }
 

@@ -10,7 +10,7 @@
 
 namespace prt {
 
-/// Linear RGB, top row first; finite, negative values taken for 0.
+/// Linear RGB, top row first.
 struct RadianceImage {
   int width = 0;
   int height = 0;
@@ -18,12 +18,15 @@ struct RadianceImage {
 };
 
 /// Reads a .hdr (RGBE) or an .exr; which it is, the file's own first bytes say. Throws UserError,
-/// one line, for anything else, for damaged files and for pictures of more than 2^26 pixels.
+/// one line, for anything else, for damaged files, for values that are not finite and for pictures
+/// of more than 2^26 pixels. Negative values are taken for 0, and the log says how many.
 RadianceImage read_radiance_image(const std::filesystem::path& file);
 
-/// An OpenEXR file of scan lines with channels R, G, B or Y of half, float or uint, compressed by
-/// ZIP, ZIPS or RLE or not at all; others are refused by name. Throws UserError that begins with
-/// `name`.
+/// Highest width and height of a picture.
+inline constexpr int kMostPictureSide = 32768;
+
+/// An OpenEXR file of one part, by the OpenEXR library: scan lines or tiles, channels R, G, B or Y
+/// of any type and compression. Throws UserError that begins with `name`.
 RadianceImage decode_exr(std::span<const unsigned char> bytes, const std::string& name);
 bool is_exr(std::span<const unsigned char> bytes);
 

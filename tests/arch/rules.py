@@ -40,7 +40,7 @@ GUARDED_FOLDERS = [
     ("player/gl/", ("src/player/gl/", "src/apps/", "tests/")),
 ]
 
-# Third-party headers and the one place that may include them.
+# Third-party headers and the place, or the places, that may include them.
 THIRD_PARTY = [
     (r"embree[34]?/", "src/scene/embree/"),
     (r"mpi\.h", "src/jobs/mpi/"),
@@ -48,6 +48,7 @@ THIRD_PARTY = [
     (r"CLI/", "src/apps/"),
     (r"yaml-cpp/", "src/apps/"),
     (r"tiny_gltf\.h", "src/scene/"),
+    (r"Imf|Imath|Iex|OpenEXR/", ("src/scene/exr_image.cpp", "src/base/image_file.cpp")),
     (r"epoxy/|EGL/|GL/|GLFW/|imgui", "src/player/gl/"),
 ]
 
@@ -108,7 +109,8 @@ def third_party(tree):
         for _, header in includes(data):
             for pattern, place in THIRD_PARTY:
                 if re.match(pattern, header) and not path.startswith(place):
-                    yield f"{path}: {header} may be included from {place} only"
+                    places = place if isinstance(place, str) else " and ".join(place)
+                    yield f"{path}: {header} may be included from {places} only"
 
 
 def file_lengths(tree):

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -172,7 +173,11 @@ TEST(Environment, RefusesRubbish) {
   EXPECT_THROW(static_cast<void>(parse_environment("missing.hdr")), UserError);
 }
 
-test::ExrWriter exr(unsigned compression, std::uint32_t type) {
+constexpr std::array kCompressions = {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION,
+                                      Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
+                                      Imf::PIZ_COMPRESSION};
+
+test::ExrWriter exr(Imf::Compression compression, Imf::PixelType type) {
   test::ExrWriter writer;
   writer.width = 40;
   writer.height = 20;
@@ -187,8 +192,8 @@ test::ExrWriter exr(unsigned compression, std::uint32_t type) {
 }
 
 TEST(ExrImage, ReadsEveryCompressionAndType) {
-  for (unsigned compression = 0; compression < 4; ++compression) {
-    for (const std::uint32_t type : {1U, 2U}) {
+  for (const Imf::Compression compression : kCompressions) {
+    for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT}) {
       const test::ExrWriter writer = exr(compression, type);
       const auto file = write("map.exr", writer.encode());
       const Environment map = parse_environment("map:" + file.string());
@@ -205,8 +210,17 @@ TEST(ExrImage, ReadsEveryCompressionAndType) {
   }
 }
 
+TEST(ExrImage, TakesNegativeRadianceForNone) {
+  test::ExrWriter writer = exr(Imf::PIZ_COMPRESSION, Imf::FLOAT);
+  writer.value = [](const std::string& channel, int, int) { return channel == "R" ? -1.0F : 2.0F; };
+  const auto file = write("negative.exr", writer.encode());
+  const Environment map = parse_environment("map:" + file.string());
+  EXPECT_EQ(map.radiance(Vec3f::UnitX()), Vec3f(0, 2, 2));
+  std::filesystem::remove(file);
+}
+
 TEST(ExrImage, ReadsLuminanceAsGrey) {
-  test::ExrWriter writer = exr(3, 2);
+  test::ExrWriter writer = exr(Imf::ZIP_COMPRESSION, Imf::FLOAT);
   writer.channels = {"Y"};
   const auto file = write("grey.exr", writer.encode());
   const Vec3f top =
@@ -232,8 +246,8 @@ void expect_refused_or_sound(const std::string& bytes, const std::string& name) 
 }
 
 TEST(ExrImage, SurvivesEveryCutAndManyFlips) {
-  for (unsigned compression = 0; compression < 4; ++compression) {
-    const std::string whole = exr(compression, 1).encode();
+  for (const Imf::Compression compression : kCompressions) {
+    const std::string whole = exr(compression, Imf::HALF).encode();
     for (std::size_t size = 0; size < whole.size(); size += 1 + size / 40) {
       const auto file = write("cut.exr", whole.substr(0, size));
       EXPECT_THROW(static_cast<void>(parse_environment("map:" + file.string())), UserError) << size;
@@ -262,19 +276,38 @@ TEST(HdrImage, SurvivesCutsAndFlips) {
   }
 }
 
-TEST(ExrImage, RefusesWhatItCannotReadByName) {
-  test::ExrWriter piz = exr(0, 2);
-  piz.compression = 4;
-  const auto file = write("piz.exr", piz.encode());
+/// Why a picture is refused; empty if it is not.
+std::string refusal(const std::string& bytes) {
+  const auto file = write("refused.exr", bytes);
+  std::string why;
   try {
     static_cast<void>(parse_environment("map:" + file.string()));
-    ADD_FAILURE();
   } catch (const UserError& e) {
-    EXPECT_NE(std::string(e.what()).find("PIZ"), std::string::npos) << e.what();
+    why = e.what();
   }
   std::filesystem::remove(file);
-  const auto nan = exr(0, 2);
-  test::ExrWriter bad = nan;
+  return why;
+}
+
+TEST(ExrImage, RefusesWhatItCannotReadByName) {
+  test::ExrWriter other = exr(Imf::NO_COMPRESSION, Imf::FLOAT);
+  other.channels = {"A", "Z"};
+  EXPECT_NE(refusal(other.encode()).find("neither channels R, G and B nor Y"), std::string::npos);
+  std::string unknown = exr(Imf::NO_COMPRESSION, Imf::FLOAT).encode();
+  const std::string compression = std::string("compression\0compression\0\1\0\0\0", 28);
+  unknown[unknown.find(compression) + compression.size()] = 42;
+  EXPECT_NE(refusal(unknown), "");
+  // A picture of two thousand million pixels in a few bytes.
+  std::string huge = exr(Imf::NO_COMPRESSION, Imf::FLOAT).encode();
+  const std::size_t box = huge.find(std::string("dataWindow\0box2i\0", 17)) + 21;
+  for (const std::size_t corner : {8U, 12U}) {
+    huge.replace(box + corner, 4, std::string("\x00\xb0\x00\x00", 4));
+  }
+  EXPECT_NE(refusal(huge), "");
+  std::string parts = exr(Imf::NO_COMPRESSION, Imf::FLOAT).encode();
+  parts[5] = static_cast<char>(parts[5] | 0x10);  // says that it has several
+  EXPECT_NE(refusal(parts), "");
+  test::ExrWriter bad = exr(Imf::NO_COMPRESSION, Imf::FLOAT);
   bad.value = [](const std::string&, int x, int) { return x == 3 ? std::nanf("") : 1.0F; };
   const auto bad_file = write("nan.exr", bad.encode());
   EXPECT_THROW(static_cast<void>(parse_environment("map:" + bad_file.string())), UserError);
