@@ -1,5 +1,7 @@
 #include "player/evaluator.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 
@@ -61,6 +63,7 @@ bool may_shine_on(const Light& light, const Vec3f& position, const Vec3f& normal
 }  // namespace
 
 struct Evaluator::Tables {
+  std::uint64_t number;  ///< of the evaluator; no other in this process has it
   const SampleSet& samples;
   unsigned threads;
   std::vector<std::uint32_t> cluster_of_sample;
@@ -130,7 +133,9 @@ void Evaluator::Tables::add_light(const Light& light, std::span<const Vec2f> lig
 
 Evaluator::Evaluator(const Package& package, const PlayerSettings& settings)
     : package_(package), settings_(settings), splats_(package.samples) {
-  auto tables = std::make_unique<Tables>(Tables{package.samples,
+  static std::atomic<std::uint64_t> evaluators = 0;
+  auto tables = std::make_unique<Tables>(Tables{++evaluators,
+                                                package.samples,
                                                 settings.threads,
                                                 package.samples.cluster_of_sample(),
                                                 has_direct_light(package),
@@ -156,6 +161,17 @@ SampleIrradiance Evaluator::evaluate(std::span<const Light> lights,
 
 void Evaluator::evaluate(std::span<const Light> lights, const MatrixF& environment,
                          SampleIrradiance& result) const {
+  // The result's own lights may have been changed in place.
+  const bool own = !lights.empty() && lights.data() == result.lights.data();
+  const bool changed =
+      own || result.evaluator != tables_->number || !std::ranges::equal(lights, result.lights);
+  result.evaluator = tables_->number;
+  if (changed) set_lights(lights, result);
+  tables_->program.run(result.direct_light, environment, changed, settings_.threads, result.work,
+                       result.direct, result.sky, result.indirect);
+}
+
+void Evaluator::set_lights(std::span<const Light> lights, SampleIrradiance& result) const {
   if (lights.data() != result.lights.data()) result.lights.assign(lights.begin(), lights.end());
   result.visibility.resize(lights.size());
   result.light_points.resize(lights.size());
@@ -165,13 +181,11 @@ void Evaluator::evaluate(std::span<const Light> lights, const MatrixF& environme
     tables_->add_light(lights[l], result.light_points[l], result.direct_light,
                        result.visibility[l]);
   }
-  tables_->program.run(result.direct_light, environment, settings_.threads, result.work,
-                       result.direct, result.sky, result.indirect);
 }
 
 MatrixF Evaluator::respond(const MatrixF& direct) const {
   SampleIrradiance result;
-  tables_->program.run(direct.transpose(), {}, settings_.threads, result.work, result.direct,
+  tables_->program.run(direct.transpose(), {}, true, settings_.threads, result.work, result.direct,
                        result.sky, result.indirect);
   return result.indirect;
 }

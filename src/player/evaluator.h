@@ -33,6 +33,7 @@ struct SampleIrradiance {
   std::vector<std::vector<float>> visibility;
 
   // The evaluator's own, kept so that the next light change allocates nothing.
+  std::uint64_t evaluator = 0;                   ///< number of the one whose result it is
   std::vector<std::vector<Vec2f>> light_points;  ///< places on each light that shine
   MatrixF direct_light;                          ///< 3 × n, before the program
   std::vector<MatrixF> work;
@@ -70,7 +71,8 @@ class Evaluator {
   /// in one that takes none, do nothing.
   [[nodiscard]] SampleIrradiance evaluate(std::span<const Light> lights,
                                           const MatrixF& environment = {}) const;
-  /// The same into a result of before: with as many lights and one thread nothing is allocated.
+  /// The same into a result of before: with as many lights and one thread nothing is allocated, and
+  /// of this evaluator and the same lights, only what hangs on the environment is computed again.
   void evaluate(std::span<const Light> lights, const MatrixF& environment,
                 SampleIrradiance& result) const;
 
@@ -92,6 +94,8 @@ class Evaluator {
 
  private:
   struct Tables;
+  /// Direct light at the samples, before the program.
+  void set_lights(std::span<const Light> lights, SampleIrradiance& result) const;
 
   const Package& package_;
   PlayerSettings settings_;

@@ -1,5 +1,7 @@
 #include "player/play_program.h"
 
+#include <algorithm>
+
 namespace prt {
 
 PlayProgram::PlayProgram(const Package& package) : samples_(package.samples) {
@@ -27,7 +29,13 @@ PlayProgram::PlayProgram(const Package& package) : samples_(package.samples) {
   }
 }
 
+bool PlayProgram::of_sky(int buffer) const {
+  return std::ranges::any_of(
+      steps_, [&](const Step& step) { return step.output == buffer && step.of_sky; });
+}
+
 int PlayProgram::emit(Step step) {
+  step.of_sky = step.kind == Kind::kEnvironment || of_sky(step.a) || of_sky(step.b);
   step.output = new_buffer();
   steps_.push_back(step);
   return step.output;
@@ -117,19 +125,25 @@ void PlayProgram::run(const Step& step, const MatrixF& direct_light, const Matri
   }
 }
 
-void PlayProgram::run(const MatrixF& direct_light, const MatrixF& environment, unsigned threads,
-                      std::vector<MatrixF>& work, MatrixF& direct, MatrixF& sky,
+void PlayProgram::run(const MatrixF& direct_light, const MatrixF& environment, bool lights_changed,
+                      unsigned threads, std::vector<MatrixF>& work, MatrixF& direct, MatrixF& sky,
                       MatrixF& indirect) const {
   work.resize(static_cast<std::size_t>(buffers_));
-  for (const Step& step : steps_) run(step, direct_light, environment, threads, work);
+  for (const Step& step : steps_) {
+    if (lights_changed || step.of_sky) run(step, direct_light, environment, threads, work);
+  }
   const auto irradiance = [&](int buffer) {
     return work[static_cast<std::size_t>(buffer)].transpose();
   };
-  direct = result_.direct_share * direct_light.transpose();
-  if (result_.sky != kNothing) sky = irradiance(result_.sky);
+  if (lights_changed) direct = result_.direct_share * direct_light.transpose();
+  if (result_.sky != kNothing) {
+    sky = irradiance(result_.sky);
+  } else {
+    sky.resize(0, 3);
+  }
   if (result_.rest == kNothing) {
     indirect.setZero(direct_light.cols(), 3);
-  } else {
+  } else if (lights_changed || of_sky(result_.rest)) {
     indirect = irradiance(result_.rest);
   }
 }

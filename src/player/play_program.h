@@ -27,9 +27,11 @@ class PlayProgram {
   /// the environment's coefficients (3 × order², or empty: none). n × 3 each, `direct`, `sky` and
   /// `indirect` are what is reconstructed of light that comes straight from lights, straight from
   /// the environment, and all the rest. `work` holds the program's own values between steps; given
-  /// again, nothing is allocated.
-  void run(const MatrixF& direct_light, const MatrixF& environment, unsigned threads,
-           std::vector<MatrixF>& work, MatrixF& direct, MatrixF& sky, MatrixF& indirect) const;
+  /// again, nothing is allocated. Unless `lights_changed`, all that hangs on lights alone is still
+  /// there from the run before.
+  void run(const MatrixF& direct_light, const MatrixF& environment, bool lights_changed,
+           unsigned threads, std::vector<MatrixF>& work, MatrixF& direct, MatrixF& sky,
+           MatrixF& indirect) const;
 
  private:
   static constexpr int kNothing = -1;
@@ -51,7 +53,9 @@ class PlayProgram {
     int scratch = kNothing;
     float direct_share = 0.0F;
     const std::vector<std::uint32_t>* layout = nullptr;
+    bool of_sky = false;  ///< the environment has a part in it
   };
+  [[nodiscard]] bool of_sky(int buffer) const;
   int new_buffer() { return buffers_++; }
   /// Adds a step that writes a buffer of its own; that buffer.
   int emit(Step step);

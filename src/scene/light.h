@@ -22,6 +22,8 @@ struct Light {
   Vec3f edge_u =
       Vec3f::Zero();  ///< kQuad: full edges, m; the quad is position ± edge_u/2 ± edge_v/2
   Vec3f edge_v = Vec3f::Zero();  ///< kQuad emits towards edge_u × edge_v only
+
+  bool operator==(const Light&) const = default;
 };
 
 /// One sample of the light that reaches p, unshadowed. Averaged over (u, v) uniform in [0,1)²,

@@ -20,12 +20,6 @@ constexpr float kTurnPerPixel = 0.5F;
 /// Metres a second on foot, as a share of the scene's diagonal.
 constexpr float kWalkSpeed = 0.1F;
 
-bool same_light(const Light& a, const Light& b) {
-  return a.kind == b.kind && a.position == b.position && a.direction == b.direction &&
-         a.intensity == b.intensity && a.radius == b.radius && a.inner_angle == b.inner_angle &&
-         a.outer_angle == b.outer_angle && a.edge_u == b.edge_u && a.edge_v == b.edge_v;
-}
-
 bool same_place(const SceneCamera& a, const SceneCamera& b) {
   return a.eye == b.eye && a.target == b.target;
 }
@@ -110,8 +104,7 @@ class Viewer {
     fit();
     const auto& lights = panel_.stage.lights;
     const float turn = panel_.stage.turn;
-    if (turn != turned_ ||
-        !std::equal(lights.begin(), lights.end(), lit_.begin(), lit_.end(), same_light)) {
+    if (turn != turned_ || lights != lit_) {
       const EnvironmentLight* sky = settings_.sky;
       renderer_.set_lights(lights, sky != nullptr ? sky->coefficients(turn) : MatrixF());
       lit_ = lights;

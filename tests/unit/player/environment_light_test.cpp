@@ -71,12 +71,13 @@ TEST_F(EnvironmentPlay, IsTransferTimesCoefficients) {
     for (std::uint32_t c = 0; c < samples.clusters(); ++c) {
       const auto first = static_cast<Eigen::Index>(samples.cluster_begin[c]);
       const VectorF transfer =
-          lambert_sh(kOrder, samples.normals[samples.cluster_begin[c]].cast<double>()).cast<float>();
+          lambert_sh(kOrder, samples.normals[samples.cluster_begin[c]].cast<double>())
+              .cast<float>();
       const Vec3f direct = sky_ * transfer;
       const Vec3f share = channels == 3 ? Vec3f(0.1F, 0.2F, 0.5F) : Vec3f::Constant(0.2F);
       EXPECT_TRUE(played.sky.row(first).transpose().isApprox(direct, kRounding)) << c;
-      EXPECT_TRUE(played.indirect.row(first).transpose().isApprox(share.cwiseProduct(direct),
-                                                                  kSixteenBits))
+      EXPECT_TRUE(
+          played.indirect.row(first).transpose().isApprox(share.cwiseProduct(direct), kSixteenBits))
           << c;
     }
   }
@@ -101,6 +102,41 @@ TEST_F(EnvironmentPlay, AddsToLightsAndIsReflectedWhereTheProgramSaysSo) {
     const MatrixF expected = reflected ? player.respond(by_sky.sky) : MatrixF::Zero(more.rows(), 3);
     EXPECT_LT((more - expected).norm(), kSixteenBits * by_sky.indirect.norm()) << reflected;
     EXPECT_EQ(more.norm() > 0.1F * by_sky.indirect.norm(), reflected);
+  }
+}
+
+TEST_F(EnvironmentPlay, KeepsWhatStandsStillAndNothingElse) {
+  std::vector<Light> lights(1);
+  lights[0].position = Vec3f(1.5F, 2.0F, 2.5F);
+  const auto same = [](const SampleIrradiance& a, const SampleIrradiance& b) {
+    return a.direct == b.direct && a.sky == b.sky && a.indirect == b.indirect;
+  };
+  for (const bool reflected : {false, true}) {
+    const Package package = room(3, reflected);
+    const Evaluator player(package);
+    SampleIrradiance kept;
+    player.evaluate(lights, sky_, kept);
+    const MatrixF turned = EnvironmentLight(coloured_sky(), kOrder).coefficients(90.0);
+    player.evaluate(lights, turned, kept);
+    EXPECT_TRUE(same(kept, player.evaluate(lights, turned)));
+    EXPECT_FALSE(same(kept, player.evaluate(lights, sky_)));
+    player.evaluate(lights, {}, kept);
+    EXPECT_TRUE(same(kept, player.evaluate(lights)));
+    lights[0].intensity.x() += 1.0F;
+    player.evaluate(lights, {}, kept);
+    EXPECT_TRUE(same(kept, player.evaluate(lights)));
+    // Its own list of lights, changed in place.
+    kept.lights[0].position.y() -= 0.5F;
+    player.evaluate(kept.lights, sky_, kept);
+    EXPECT_TRUE(same(kept, player.evaluate(kept.lights, sky_)));
+    // Another evaluator's result.
+    const Package other = synthetic_room();
+    const Evaluator stranger(other);
+    const std::vector<Light> moved = kept.lights;
+    stranger.evaluate(moved, {}, kept);
+    EXPECT_EQ(kept.sky.size(), 0);
+    player.evaluate(moved, sky_, kept);
+    EXPECT_TRUE(same(kept, player.evaluate(moved, sky_)));
   }
 }
 
