@@ -1,5 +1,7 @@
 #include "transport/gather.h"
 
+#include <array>
+
 #include "transport/hemisphere.h"
 
 namespace prt {
@@ -8,10 +10,8 @@ namespace {
 
 constexpr Eigen::Index kLane = kGatherLane;
 
-Eigen::Index padded(Eigen::Index n) { return (n + kLane - 1) / kLane * kLane; }
-
 MatrixF pad_columns(const MatrixF& m) {
-  MatrixF out = MatrixF::Zero(m.rows(), padded(m.cols()));
+  MatrixF out = MatrixF::Zero(m.rows(), padded_to_lanes(m.cols()));
   out.leftCols(m.cols()) = m;
   return out;
 }
@@ -112,11 +112,51 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
   return result;
 }
 
+namespace {
+
+/// out += Σ weight · row of four rows: sums are loaded and stored a quarter as often.
+inline void add_four(float* __restrict out, const std::array<const float*, 4>& row,
+                     const std::array<float, 4>& weight, Eigen::Index width) {
+  for (Eigen::Index lane = 0; lane < width; lane += kLane) {
+    for (Eigen::Index i = 0; i < kLane; ++i) {
+      out[lane + i] += (weight[0] * row[0][lane + i] + weight[1] * row[1][lane + i]) +
+                       (weight[2] * row[2][lane + i] + weight[3] * row[3][lane + i]);
+    }
+  }
+}
+
+}  // namespace
+
+MatrixF gather_rows(std::span<const std::uint32_t> senders, std::span<const float> weights,
+                    std::span<const float* const> rows, Eigen::Index width) {
+  const std::size_t directions = weights.size();
+  const std::size_t receivers = senders.size() / directions;
+  MatrixF sums = MatrixF::Zero(static_cast<Eigen::Index>(receivers), width);
+  HitWeights hits(static_cast<Eigen::Index>(rows.size()));
+  std::array<const float*, 4> row{};
+  std::array<float, 4> weight{};
+  for (std::size_t r = 0; r < receivers; ++r) {
+    hits.collect(senders.subspan(r * directions, directions), weights);
+    float* out = sums.data() + static_cast<Eigen::Index>(r) * width;
+    std::size_t waiting = 0;
+    for (const std::uint32_t j : hits.hit()) {
+      if (rows[j] == nullptr) continue;
+      row[waiting] = rows[j];
+      weight[waiting++] = hits[j];
+      if (waiting < row.size()) continue;
+      add_four(out, row, weight, width);
+      waiting = 0;
+    }
+    for (std::size_t k = 0; k < waiting; ++k) add_scaled(out, row[k], weight[k], width);
+  }
+  return sums;
+}
+
 std::vector<MatrixF> gather_fields(const GatherEntries& entries, const MatrixF& albedo,
                                    const std::vector<MatrixF>& fields) {
   const auto receivers = static_cast<Eigen::Index>(entries.begin.size()) - 1;
   const auto channels = static_cast<Eigen::Index>(fields.size());
-  const Eigen::Index width = padded(fields[0].cols());
+  const Eigen::Index width = padded_to_lanes(fields[0].cols());
   // Channels side by side: one look-up per entry. Albedo goes in beforehand.
   MatrixF exitant = MatrixF::Zero(fields[0].rows(), channels * width);
   for (Eigen::Index c = 0; c < channels; ++c) {

@@ -15,6 +15,10 @@ namespace prt {
 /// Floats of one AVX register: gather_functions copies values whose columns are no multiple of it.
 inline constexpr Eigen::Index kGatherLane = 8;
 
+constexpr Eigen::Index padded_to_lanes(Eigen::Index n) {
+  return (n + kGatherLane - 1) / kGatherLane * kGatherLane;
+}
+
 /// Functions on samples that live on one cluster each: function f of cluster c has values on c's
 /// samples only. Rows are samples; a row holds the values of the functions of its own cluster.
 struct ClusterFunctions {
@@ -46,6 +50,12 @@ std::vector<MatrixF> gather_functions(std::span<const std::uint32_t> senders,
                                       std::span<const float> weights, const MatrixF& albedo,
                                       const ClusterFunctions& functions,
                                       std::span<const std::uint32_t> cluster_of_sample);
+
+/// For each receiver the sum of its senders' rows, each times the share of the hemisphere that the
+/// sender fills: receivers × width. `senders`, `weights` as for gather_functions; `rows[j]`:
+/// `width` floats of sample j, a multiple of kGatherLane, such as its exitant light; null: none.
+MatrixF gather_rows(std::span<const std::uint32_t> senders, std::span<const float> weights,
+                    std::span<const float* const> rows, Eigen::Index width);
 
 /// T, as far as the entries go, applied to global fields: fields[c] is samples × m for channel c;
 /// result receivers × m each.

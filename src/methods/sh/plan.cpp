@@ -17,6 +17,8 @@ namespace {
 
 // Less of every hemisphere than this is open: as much as rays may lose (design: the physics).
 constexpr double kOpenShare = 1e-5;
+// Bounces that are computed before it is asked whether they are enough.
+constexpr int kFirstBounces = 2;
 
 class Planner {
  public:
@@ -36,20 +38,20 @@ class Planner {
       plan_.left_out.push_back({"rays of the sky's light", "sh.transfer is unshadowed"});
     } else {
       plan_rays(in_, plan_);
-      const auto open = open_share();
-      if (!open) return;
-      if (*open < kOpenShare) {
-        plan_.left_out.push_back(
-            {"environment layer",
-             fmt::format("no sample sees more than {:.1g} of the sky: none of its light gets in",
-                         kOpenShare)});
-        plan_.results = {kSamplesTask};
-        plan_.complete = true;
-        return;
-      }
+    }
+    plan_direct();
+    const auto open = open_share();
+    if (!open) return;
+    if (*open < kOpenShare) {
+      plan_.left_out.push_back(
+          {"environment layer",
+           fmt::format("no cluster sees more than {:.1g} of the sky: none of its light gets in",
+                       kOpenShare)});
+      plan_.results = {kSamplesTask};
+      plan_.complete = true;
+      return;
     }
     plan_.plays_environment = true;
-    plan_direct();
     if (transfer_ == Transfer::kInterreflected) {
       if (!plan_bounces()) return;
     }
@@ -59,13 +61,13 @@ class Planner {
  private:
   [[nodiscard]] bool has_rays() const { return transfer_ != Transfer::kUnshadowed; }
 
-  /// The largest share of a cluster's hemispheres that is open, once all rays are cast.
+  /// The largest share of a cluster's hemispheres that is open, once it is known of all.
   [[nodiscard]] std::optional<double> open_share() const {
     double most = 0.0;
     for (std::size_t c = 0; c < clusters_; ++c) {
-      const auto rays = in_.result(numbered("rays", c));
-      if (!rays) return std::nullopt;
-      most = std::max(most, rays->attribute<double>("escaped_share"));
+      const auto direct = in_.result(numbered(kDirect, c));
+      if (!direct) return std::nullopt;
+      most = std::max(most, direct->attribute<double>("open_share"));
     }
     return most;
   }
@@ -118,39 +120,58 @@ class Planner {
       return true;
     }
     channels_ = colour_channels(*albedo);
-    const auto source = squared_norm(kDirect);
-    if (!source) return false;
-    // Of all channels, whichever share one bounce.
-    const double direct = std::sqrt(3.0 * *source);
-    double before = direct;
-    double total = 0.0;
-    while (true) {
-      plan_bounce(++bounces_);
-      if (counted && bounces_ < most) continue;
-      const auto squared = squared_norm(bounce(bounces_));
-      if (!squared) return false;
-      if (counted) return true;
-      const double norm = std::sqrt(*squared);
-      total += norm;
-      if (norm <= 0.0) return true;
-      // Each bounce more is about as much of the one before as this one is.
-      const double ratio = std::min(norm / before, 1.0 - 1e-6);
-      const double tail = norm * ratio / (1.0 - ratio) / total;
-      if (tail <= options_.get<double>("transport.tolerance")) {
-        plan_.left_out.push_back({fmt::format("the sky's light after {} bounces", bounces_),
-                                  fmt::format("it is {:.1e} of what they bring", tail)});
-        return true;
-      }
-      if (bounces_ == most) {
-        plan_.left_out.push_back(
-            {fmt::format("the sky's light after {} bounces", bounces_),
-             fmt::format("no more are computed, though it is some {:.1e} of what they bring and "
-                         "transport.tolerance is {:.1e}",
-                         tail, options_.get<double>("transport.tolerance"))});
-        return true;
-      }
-      before = norm;
+    if (counted) {
+      plan_up_to(most);
+      return true;
     }
+    // A few at first; then as many more as it takes if each is as much of the one before as the
+    // last was. Whoever waits for one bounce after the other waits for the slowest task of each.
+    for (int wanted = kFirstBounces;;) {
+      plan_up_to(wanted);
+      const auto tail = tail_after(wanted);
+      if (!tail) return false;
+      const double tolerance = options_.get<double>("transport.tolerance");
+      const bool enough = tail->share <= tolerance;
+      if (enough || wanted == most) {
+        say_what_is_missing(wanted, tail->share, enough);
+        return true;
+      }
+      const double more = std::ceil(std::log(tolerance / tail->share) / std::log(tail->ratio));
+      wanted = static_cast<int>(std::min<double>(most, wanted + std::max(1.0, more)));
+    }
+  }
+
+  struct Tail {
+    double ratio;  ///< of a bounce to the one before
+    double share;  ///< of all later bounces in what those before bring
+  };
+  /// What comes after so many bounces, at least two, about: each brings as much of the one before
+  /// as the last of them does.
+  [[nodiscard]] std::optional<Tail> tail_after(int bounces) const {
+    double before = 0.0, last = 0.0, total = 0.0;
+    for (int b = 1; b <= bounces; ++b) {
+      const auto squared = squared_norm(bounce(b));
+      if (!squared) return std::nullopt;
+      before = last;
+      last = std::sqrt(*squared);
+      total += last;
+    }
+    if (!(last > 0.0)) return Tail{0.5, 0.0};
+    const double ratio = std::clamp(last / before, 1e-6, 1.0 - 1e-6);
+    return Tail{ratio, last * ratio / (1.0 - ratio) / total};
+  }
+
+  void say_what_is_missing(int bounces, double share, bool enough) {
+    std::string reason = fmt::format("it is {:.1e} of what they bring", share);
+    if (!enough) {
+      reason =
+          fmt::format("no more are computed, though it is some {:.1e} of what they bring", share);
+    }
+    plan_.left_out.push_back({fmt::format("the sky's light after {} bounces", bounces), reason});
+  }
+
+  void plan_up_to(int number) {
+    while (bounces_ < number) plan_bounce(++bounces_);
   }
 
   void plan_bounce(int number) {

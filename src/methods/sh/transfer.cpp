@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,9 +29,9 @@ class ShadowedTransfer {
     correction_ = exact - rows_.colwise().sum().transpose();
   }
 
-  /// In the sample's frame. What the quadrature over all rays misses of the closed form is added in
+  /// In the world. What the quadrature over all rays misses of the closed form is added in
   /// proportion to the light that gets through: nothing is left of it where all of it does.
-  VectorD local(std::span<const std::uint32_t> senders) {
+  [[nodiscard]] VectorD world(std::span<const std::uint32_t> senders, const Mat3f& frame) const {
     VectorD sum = VectorD::Zero(rows_.cols());
     double open = 0.0;
     for (std::size_t i = 0; i < senders.size(); ++i) {
@@ -37,10 +39,8 @@ class ShadowedTransfer {
       sum += rows_.row(static_cast<Eigen::Index>(i)).transpose();
       open += static_cast<double>(weights_[i]);
     }
-    return sum + open * correction_;
-  }
-  [[nodiscard]] VectorD world(std::span<const std::uint32_t> senders, const Mat3f& frame) {
-    return ShRotation(order_, frame.cast<double>()).apply(local(senders)).col(0);
+    if (open == 0.0) return sum;
+    return ShRotation(order_, frame.cast<double>()).apply(sum + open * correction_).col(0);
   }
 
  private:
@@ -80,12 +80,14 @@ Artifact run_direct(const TaskSpec& task, const TaskReader& reader) {
   const std::uint32_t size = samples.cluster_size(cluster);
   MatrixF transfer(size, sh_count(order));
   std::vector<std::uint32_t> reached;
+  double open_share = 1.0;
   if (task.inputs.size() > 1) {
     const auto rays = reader.input(1);
     const auto senders = rays->values<std::uint32_t>("sender");
     const auto count = static_cast<std::size_t>(rays->attribute<int>("directions"));
     if (senders.size() != size * count) throw UnsoundData("rays do not fit the samples");
-    ShadowedTransfer shadowed(order, HemisphereDirections(static_cast<int>(count)));
+    open_share = rays->attribute<double>("escaped_share");
+    const ShadowedTransfer shadowed(order, HemisphereDirections(static_cast<int>(count)));
     for (std::uint32_t i = 0; i < size; ++i) {
       check_stop(reader);
       transfer.row(i) = shadowed.world(senders.subspan(i * count, count), samples.frame(begin + i))
@@ -105,62 +107,38 @@ Artifact run_direct(const TaskSpec& task, const TaskReader& reader) {
   out.attributes = {{"cluster", cluster},
                     {"samples", size},
                     {"order", order},
+                    {"open_share", open_share},
                     {"squared_norm", squared_norm(transfer, cluster_areas(samples, cluster))}};
   return out;
 }
 
 namespace {
 
-/// Rows of some clusters' samples one after the other, and a scene's samples in their numbers.
-class SenderRows {
- public:
-  SenderRows(const SampleSet& samples, const std::vector<std::uint32_t>& clusters)
-      : local_(samples.size(), kLostSender) {
-    for (const std::uint32_t c : clusters) {
-      for (std::uint32_t s = samples.cluster_begin.at(c); s < samples.cluster_begin.at(c + 1); ++s)
-        local_[s] = rows_++;
-    }
-  }
-  [[nodiscard]] std::uint32_t count() const { return rows_; }
-  [[nodiscard]] std::vector<std::uint32_t> senders(std::span<const std::uint32_t> of_scene) const {
-    std::vector<std::uint32_t> local;
-    local.reserve(of_scene.size());
-    for (const std::uint32_t s : of_scene) local.push_back(s < kLostSender ? local_.at(s) : s);
-    return local;
-  }
-  [[nodiscard]] MatrixF rows(const MatrixF& of_scene) const {
-    MatrixF own(rows_, of_scene.cols());
-    for (std::size_t s = 0; s < local_.size(); ++s) {
-      if (local_[s] != kLostSender) own.row(local_[s]) = of_scene.row(static_cast<Eigen::Index>(s));
-    }
-    return own;
-  }
-
- private:
-  std::vector<std::uint32_t> local_;
-  std::uint32_t rows_ = 0;
-};
-
-/// The last bounce at the senders, one matrix per channel, from the task's inputs after the first
-/// three.
-std::vector<MatrixF> sent_light(const TaskSpec& task, const TaskReader& reader, Eigen::Index rows,
-                                Eigen::Index channels, Eigen::Index functions) {
-  std::vector<MatrixF> sent(static_cast<std::size_t>(channels), MatrixF(rows, functions));
-  Eigen::Index row = 0;
-  for (std::size_t i = 3; i < task.inputs.size(); ++i) {
-    const MatrixF part = reader.input(i)->matrix("transfer");
-    const bool one_for_all = part.cols() == functions;
-    if ((!one_for_all && part.cols() != channels * functions) || row + part.rows() > rows) {
+/// What a cluster sends on of the light that comes to it, channels side by side, each row padded to
+/// whole lanes: albedo times the transfer of input `i`. Made once for all tasks of a process.
+std::shared_ptr<const MatrixF> exitant_light(const TaskReader& reader, std::size_t i,
+                                             const SampleSet& samples, std::uint32_t cluster,
+                                             Eigen::Index channels, Eigen::Index functions) {
+  const std::string name = "exitant " + reader.input_content(i).hex() + " of " +
+                           reader.input_content(1).hex() + fmt::format(" {}", channels);
+  return reader.memo().get<MatrixF>(name, [&] {
+    const MatrixF transfer = reader.input(i)->matrix("transfer");
+    const bool one_for_all = transfer.cols() == functions;
+    if (transfer.rows() != samples.cluster_size(cluster) ||
+        (!one_for_all && transfer.cols() != channels * functions)) {
       throw UnsoundData("bounced light does not fit the samples");
     }
+    const MatrixF albedo = reader.input(1)->matrix("albedo").middleRows(
+        samples.cluster_begin[cluster], transfer.rows());
+    const Eigen::Index width = padded_to_lanes(channels * functions);
+    auto exitant = std::make_shared<MatrixF>(MatrixF::Zero(transfer.rows(), width));
     for (Eigen::Index c = 0; c < channels; ++c) {
-      sent[static_cast<std::size_t>(c)].middleRows(row, part.rows()) =
-          part.middleCols(one_for_all ? 0 : c * functions, functions);
+      exitant->middleCols(c * functions, functions) =
+          albedo.col(c).asDiagonal() *
+          transfer.middleCols(one_for_all ? 0 : c * functions, functions);
     }
-    row += part.rows();
-  }
-  if (row != rows) throw UnsoundData("bounced light does not fit the samples");
-  return sent;
+    return exitant;
+  });
 }
 
 }  // namespace
@@ -172,18 +150,22 @@ Artifact run_bounce(const TaskSpec& task, const TaskReader& reader) {
   const auto cluster = p["cluster"].get<std::uint32_t>();
   const Eigen::Index functions = sh_count(p["order"].get<int>());
   const auto channels = p["channels"].get<Eigen::Index>();
-  const SenderRows rows(samples, p["senders"].get<std::vector<std::uint32_t>>());
+  const auto senders = p["senders"].get<std::vector<std::uint32_t>>();
+  std::vector<std::shared_ptr<const MatrixF>> exitant;
+  std::vector<const float*> rows(samples.size(), nullptr);
+  for (std::size_t i = 0; i < senders.size(); ++i) {
+    check_stop(reader);
+    exitant.push_back(exitant_light(reader, i + 3, samples, senders[i], channels, functions));
+    for (Eigen::Index k = 0; k < exitant.back()->rows(); ++k) {
+      rows[samples.cluster_begin[senders[i]] + static_cast<std::size_t>(k)] =
+          exitant.back()->row(k).data();
+    }
+  }
   const auto rays = reader.input(2);
   const HemisphereDirections directions(rays->attribute<int>("directions"));
-  const GatherEntries entries = gather_entries(rows.senders(rays->values<std::uint32_t>("sender")),
-                                               directions.weights(), rows.count());
-  check_stop(reader);
-  const auto gathered = gather_fields(entries, rows.rows(reader.input(1)->matrix("albedo")),
-                                      sent_light(task, reader, rows.count(), channels, functions));
-  MatrixF transfer(samples.cluster_size(cluster), channels * functions);
-  for (Eigen::Index c = 0; c < channels; ++c) {
-    transfer.middleCols(c * functions, functions) = gathered[static_cast<std::size_t>(c)];
-  }
+  const MatrixF transfer = gather_rows(rays->values<std::uint32_t>("sender"), directions.weights(),
+                                       rows, padded_to_lanes(channels * functions))
+                               .leftCols(channels * functions);
   Artifact out;
   out.put("transfer", transfer, "sr",
           "irradiance by this bounce per SH coefficient of the sky's radiance, channel by channel");

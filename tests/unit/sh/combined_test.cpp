@@ -25,7 +25,8 @@ OptionValues options_of(const Method& method) {
   return options;
 }
 
-Package bake(const Scene& scene, const Method& method, std::multiset<std::string>* kinds = nullptr) {
+Package bake(const Scene& scene, const Method& method,
+             std::multiset<std::string>* kinds = nullptr) {
   InProcessBake run(scene, options_of(method));
   const Plan plan = run.run(method);
   EXPECT_TRUE(plan.complete);

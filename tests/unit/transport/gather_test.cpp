@@ -91,6 +91,23 @@ TEST(Gather, OfFieldsIsTheDenseProduct) {
   }
 }
 
+TEST(Gather, OfRowsIsTheDenseProductWithoutThoseThatAreNotThere) {
+  const RandomRays rays;
+  const MatrixF values = test::random_matrix(kSamples, 2 * kGatherLane, 6).cast<float>();
+  MatrixF there = values;
+  std::vector<const float*> rows(kSamples);
+  for (std::size_t s = 0; s < rows.size(); ++s) {
+    rows[s] = values.row(static_cast<Eigen::Index>(s)).data();
+    if (s % 7 != 3) continue;
+    rows[s] = nullptr;
+    there.row(static_cast<Eigen::Index>(s)).setZero();
+  }
+  const MatrixF result = gather_rows(rays.senders, rays.weights, rows, values.cols());
+  const MatrixF expected = rays.dense(MatrixF::Ones(kSamples, 1), 0) * there;
+  EXPECT_LT((result - expected).cwiseAbs().maxCoeff(), kFloat);
+  EXPECT_GT(expected.cwiseAbs().maxCoeff(), 0.1F);
+}
+
 // What near transfer takes entry by entry, the transfer must leave out: once and no more.
 TEST(NearSeries, IsTheSumOfPowersAndLeavesTheRest) {
   const RandomRays some(kSamples);
