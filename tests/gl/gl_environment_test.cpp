@@ -81,8 +81,10 @@ TEST(GlEnvironment, DrawsWhatTheCpuDraws) {
         PictureSettings linear = settings;
         linear.linear = true;
         const Picture exact = render(cpu, irradiance, camera, linear);
-        const auto radiance = gl.radiance(view, camera, {.show = show, .reflection = settings.reflection});
-        const Eigen::Map<const VectorF> a(radiance.data(), static_cast<Eigen::Index>(radiance.size()));
+        const auto radiance =
+            gl.radiance(view, camera, {.show = show, .reflection = settings.reflection});
+        const Eigen::Map<const VectorF> a(radiance.data(),
+                                          static_cast<Eigen::Index>(radiance.size()));
         const Eigen::Map<const VectorF> b(exact.radiance.data(), a.size());
         EXPECT_LE((a - b).norm(), 0.05F * b.norm()) << static_cast<int>(show);
       }

@@ -80,7 +80,7 @@ TEST_P(LbRanks, EveryArtifactIsTheSameForAnyRanksThreadsAndKills) {
 }
 INSTANTIATE_TEST_SUITE_P(Ways, LbRanks,
                          testing::Values("lb.solver=gather", "lb.solver=photons",
-                                         "lb.region_clusters=3"));
+                                         "lb.region_clusters=3", "methods=[lb, sh]"));
 
 }  // namespace
 }  // namespace prt

@@ -171,6 +171,60 @@ TEST_F(EvalProgram, WritesTheKeysThatScriptsRead) {
   EXPECT_EQ(json["package_bytes"], fs::file_size(package()));
 }
 
+TEST_F(EvalProgram, JudgesEnvironmentsWhereThePackageTakesThem) {
+  write("open.yaml", "scene: " + std::string(PRT_SOURCE_DIR) +
+                         "/configs/scenes/cornell.glb\noutput: open\nmethods: [sh]\n"
+                         "samples: {count: 300, cluster_size: 100}\nrays: {directions: 64}\n"
+                         "evaluate: {environments: 1, points: 50, spp: 4}\n");
+  const Outcome bake = run("prt_bake", {file("open.yaml"), "--threads", "1", "-q"});
+  ASSERT_EQ(bake.code, 0) << bake.text;
+  const std::string open = file("open/open.prt.glb");
+  const Outcome judged = run("prt_eval", {open, "--env", "sky:1,1,1", "--env", "lobes:1,1,1",
+                                          "--spp", "4", "--json", file("sky.json")});
+  ASSERT_EQ(judged.code, 0) << judged.text;
+  const auto json = nlohmann::json::parse(test::read_text(file("sky.json")));
+  for (const char* part : {"direct", "indirect", "total"}) {
+    EXPECT_TRUE(json[part]["rel_rmse"].is_number()) << part;
+    EXPECT_TRUE(json[part]["surface"]["rel_rmse"].is_number()) << part;
+  }
+  EXPECT_EQ(json["environments"], 2);
+  EXPECT_EQ(json["order"], 5);
+  EXPECT_TRUE(json["play_ms"].is_number());
+  const auto report = nlohmann::json::parse(test::read_text(file("open/report.json")));
+  EXPECT_EQ(report["error"]["environment"]["environments"], 1);
+  // Points, played and path traced.
+  write("point.csv", "x,y,z,nx,ny,nz\n2.78,0,-1.5,0,1,0\n");
+  ASSERT_EQ(run("prt_eval", {open, "--points", file("point.csv"), "--env", "sky:1,2,4", "-o",
+                             file("by_package.csv")})
+                .code,
+            0);
+  ASSERT_EQ(
+      run("prt_eval",
+          {"--reference", std::string(PRT_SOURCE_DIR) + "/configs/scenes/cornell.glb", "--points",
+           file("point.csv"), "--env", "sky:1,2,4", "--spp", "4096", "-o", file("by_paths.csv")})
+          .code,
+      0);
+  const auto played = numbers(lines("by_package.csv")[1]);
+  const auto traced = numbers(lines("by_paths.csv")[1]);
+  EXPECT_NEAR(played[7] / played[6], 2.0, 1e-4);
+  EXPECT_NEAR(played[6] / traced[6], 1.0, kCoarse);
+  EXPECT_NEAR(played[9] / traced[9], 1.0, kCoarse);
+  EXPECT_GT(traced[6], 0.0);
+  // What does not go together ends in one line.
+  for (const auto& words :
+       {std::vector<std::string>{package(), "--env", "sky:1,1,1"},
+        {open},
+        {open, "--env", "sky:1,1"},
+        {open, "--env", "none.hdr"},
+        {open, "--env", "sky:1,1,1", "--lights", "3"},
+        {open, "--points", file("point.csv"), "--light", kLight, "-o", file("never.csv")}}) {
+    const Outcome refused = run("prt_eval", words);
+    EXPECT_EQ(refused.code, 2) << refused.text;
+    const std::string own = refused.text.substr(refused.text.find("prt_eval: "));
+    EXPECT_EQ(std::count(own.begin(), own.end(), '\n'), 1) << refused.text;
+  }
+}
+
 // Away from its report the package says nothing about its bake.
 TEST_F(EvalProgram, KnowsNoBakeTimeWithoutTheReport) {
   fs::create_directory(file("moved"));

@@ -13,8 +13,10 @@
 #include <sstream>
 
 #include "evaluate/bake_evaluation.h"
+#include "evaluate/sky_evaluation.h"
 #include "methods/common/sampling.h"
 #include "methods/lb/lb.h"
+#include "methods/sh/sh.h"
 #include "scene/load.h"
 #include "store/hdf5_image.h"
 #include "store/seal.h"
@@ -46,9 +48,9 @@ void add_structure(Hasher& hasher, const Artifact& artifact) {
   }
 }
 
-Digest content_of(const TaskSpec& task, const Artifact& artifact) {
+Digest content_of(const TaskSpec& task, const Artifact& artifact, const Method& method) {
   const ArtifactLabel label{task.kind, hash_text(task.id), task.version,
-                            lb_method().equation(task.kind)};
+                            method.equation(task.kind)};
   return verify_seal(to_hdf5(artifact, label));
 }
 
@@ -60,13 +62,15 @@ struct KindHashes {
 /// Runs a tiny bake and hashes it by kind.
 class TinyBake : public test::InProcessBake {
  public:
-  TinyBake(const Scene& scene, const OptionValues& options)
-      : InProcessBake(scene, options, "avx2"), options_(options) {}
+  TinyBake(const Scene& scene, const OptionValues& options, const Method& method)
+      : InProcessBake(scene, options, "avx2"), options_(options), method_(method) {}
 
   /// A whole one, its evaluation included.
   void run_all() {
-    Plan plan = run(lb_method());
-    Plan evaluation = plan_evaluation(options_, kSamplesTask, &plan.results);
+    Plan plan = run(method_);
+    Plan evaluation = plan.plays_lights
+                          ? plan_evaluation(options_, kSamplesTask, &plan.results)
+                          : plan_sky_evaluation(options_, kSamplesTask, &plan.results);
     for (const TaskSpec& task : evaluation.tasks) evaluate(task);
     std::ranges::move(evaluation.tasks, std::back_inserter(plan.tasks));
     for (const TaskSpec& task : plan.tasks) add(task);
@@ -94,8 +98,11 @@ class TinyBake : public test::InProcessBake {
     run_task(task, [&](const TaskReader& reader) {
       if (task.kind == "reference") return run_reference(task, reader);
       if (task.kind == "evaluate") return run_evaluate(task, reader);
-      const Package package = lb_method().assemble(find, options_);
-      return run_compare(task, reader, Evaluator(package, {.threads = 1}));
+      if (task.kind == "sky_reference") return run_sky_reference(task, reader);
+      const Package package = method_.assemble(find, options_);
+      const Evaluator player(package, {.threads = 1});
+      return task.kind == "sky_evaluate" ? run_sky_evaluate(task, reader, player)
+                                         : run_compare(task, reader, player);
     });
   }
 
@@ -105,33 +112,39 @@ class TinyBake : public test::InProcessBake {
     kind.version = task.version;
     kind.inputs.add(task.parameters.dump());
     for (const std::string& id : task.inputs) kind.inputs.add(contents_.at(id));
-    contents_[task.id] = content_of(task, artifact).hex();
+    contents_[task.id] = content_of(task, artifact, method_).hex();
     kind.outputs.add(contents_.at(task.id));
     add_structure(kind.structure, artifact);
   }
 
   OptionValues options_;
+  const Method& method_;
   std::map<std::string, std::string> contents_;
   std::map<std::string, KindHashes> kinds_;
 };
 
-/// `way`: a solver, "regions" for gathering in regions, or "tiles" for sampling in tiles.
+/// `way`: a solver, "regions" for gathering in regions, "tiles" for sampling in tiles, or "sky" for
+/// the transfer of environments.
 json bake_by_kind(const std::string& way) {
   const Scene scene = load_scene(std::string(PRT_SOURCE_DIR) + "/configs/scenes/cornell.glb");
-  OptionValues options = test::default_options(lb_method());
-  const std::map<std::string, json> tiny = {
-      {"samples.count", 300},  {"samples.cluster_size", 75},
-      {"rays.directions", 64}, {"lb.example_lights", 40},
-      {"lb.light_rank", 3},    {"lb.solver", way == "photons" ? way : "gather"},
-      {"lb.photons", 20000},   {"evaluate.lights", 2},
-      {"evaluate.points", 20}, {"evaluate.spp", 4}};
+  const Method& method = way == "sky" ? sh_method() : lb_method();
+  OptionValues options = test::default_options(method);
+  std::map<std::string, json> tiny = {{"samples.count", 300},  {"samples.cluster_size", 75},
+                                      {"rays.directions", 64}, {"evaluate.lights", 2},
+                                      {"evaluate.points", 20}, {"evaluate.spp", 4}};
+  if (way != "sky") {
+    tiny.insert({{"lb.example_lights", 40},
+                 {"lb.light_rank", 3},
+                 {"lb.solver", way == "photons" ? way : "gather"},
+                 {"lb.photons", 20000}});
+  }
   for (const auto& [key, value] : tiny) options.set(key, value);
   if (way == "regions") {
     options.set("lb.region_clusters", 2);
     options.set("lb.window_tolerance", 0.2);
   }
   if (way == "tiles") options.set("samples.count", 9000);
-  TinyBake bake(scene, options);
+  TinyBake bake(scene, options, method);
   if (way == "tiles") {
     bake.run_in_tiles();
   } else {
@@ -187,7 +200,8 @@ TEST_P(KindBytes, AKindWhoseResultsChangeGetsANewVersion) {
   }
   EXPECT_EQ(record.at(way).size(), now.size()) << "kinds that are gone are still recorded";
 }
-INSTANTIATE_TEST_SUITE_P(Ways, KindBytes, testing::Values("gather", "photons", "regions", "tiles"));
+INSTANTIATE_TEST_SUITE_P(Ways, KindBytes,
+                         testing::Values("gather", "photons", "regions", "tiles", "sky"));
 
 }  // namespace
 }  // namespace prt

@@ -81,17 +81,16 @@ EnvironmentLightStep& step_of(Package& p) {
 INSTANTIATE_TEST_SUITE_P(
     Spoiled, UnsoundEnvironment,
     testing::Values<Spoil>(
-        [](Package& p) { coefficients_of(p).dimension = 8; },      // no square
+        [](Package& p) { coefficients_of(p).dimension = 8; },  // no square
         [](Package& p) { coefficients_of(p).dimension = 0; },
-        [](Package& p) { coefficients_of(p).dimension = 4; },      // another order
-        [](Package& p) { coefficients_of(p).dimension = 81; },     // order 9
+        [](Package& p) { coefficients_of(p).dimension = 4; },   // another order
+        [](Package& p) { coefficients_of(p).dimension = 81; },  // order 9
         [](Package& p) { coefficients_of(p).dimension = 4294836225U; },
         [](Package& p) { coefficients_of(p).kind = Space::Kind::kClusterCoefficients; },
         [](Package& p) { step_of(p).coefficients = "sky"; },
         [](Package& p) { step_of(p).coefficients = "nobody"; },
-        [](Package& p) { step_of(p).output = "e"; },
-        [](Package& p) { step_of(p).op = "project"; },
-        [](Package& p) { step_of(p).op = "transfer"; },            // of the room's clusters
+        [](Package& p) { step_of(p).output = "e"; }, [](Package& p) { step_of(p).op = "project"; },
+        [](Package& p) { step_of(p).op = "transfer"; },  // of the room's clusters
         [](Package& p) { step_of(p).op = "nobody"; },
         [](Package& p) {
           p.program.insert(p.program.end() - 1, EnvironmentLightStep{"sky", "sky light", "sky"});
@@ -100,9 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
         [](Package& p) {
           std::get<ClusterTransfer>(p.operators["sky"]).receivers[1].senders = {1};
         },
-        [](Package& p) {
-          std::get<ClusterTransfer>(p.operators["sky"]).receivers[1].senders = {};
-        },
+        [](Package& p) { std::get<ClusterTransfer>(p.operators["sky"]).receivers[1].senders = {}; },
         [](Package& p) { p.program = {ReconstructStep{"sky"}}; }));
 
 TEST_P(UnsoundEnvironment, IsRefused) {
