@@ -3,8 +3,8 @@
 //
 //   vertex_transfer PACKAGE.prt.glb OUT.csv
 //
-// A line is a vertex of the scene's triangles: x,y,z,nx,ny,nz, then order² numbers for red, for green
-// and for blue. Their dot product with the environment's coefficients in the same colour
+// A line is a vertex of the scene's triangles: x,y,z,nx,ny,nz, then order² numbers for red, for
+// green and for blue. Their dot product with the environment's coefficients in the same colour
 // (player/environment_light.h) is the vertex's irradiance, W/m²; times albedo / π it is radiance.
 #include <cstdio>
 #include <exception>

@@ -22,14 +22,11 @@ constexpr int kName = 20;
 constexpr float kHalfView = 0.35F;       // tangent of half the vertical field of view
 const Colour kBehind(0.8F, 0.8F, 0.8F);  // white is zero, and has to show
 
-std::string stage_artifact(std::size_t cluster) {
-  return fmt::format("sky_direct/{:04}", cluster);
-}
+std::string stage_artifact(std::size_t cluster) { return fmt::format("sky_direct/{:04}", cluster); }
 
 bool has_sky(const BakeReader& bake) {
-  return std::ranges::any_of(bake.entries(), [](const ManifestEntry& entry) {
-    return entry.task == stage_artifact(0);
-  });
+  return std::ranges::any_of(
+      bake.entries(), [](const ManifestEntry& entry) { return entry.task == stage_artifact(0); });
 }
 
 void require_sky(const BakeReader& bake) {
@@ -78,8 +75,8 @@ Drawing draw_sky_transfer(const BakeReader& bake, std::optional<int> index) {
   const auto count = static_cast<int>(transfer.cols());
   const auto order = static_cast<int>(std::lround(std::sqrt(count)));
   if (index && *index >= count) {
-    throw UserError(fmt::format("--index {}: order {} has {} functions, from 0 on", *index, order,
-                                count));
+    throw UserError(
+        fmt::format("--index {}: order {} has {} functions, from 0 on", *index, order, count));
   }
   const float largest = transfer.cwiseAbs().maxCoeff();
   const std::string title =
@@ -160,7 +157,8 @@ void draw_energies(Drawing& drawing, int left, int top, const VectorD& energy) {
   const int wide = (2 * kMapWidth + kGap) / static_cast<int>(energy.size());
   for (Eigen::Index l = 0; l < energy.size(); ++l) {
     const double share = energy[l] / total;
-    const double height = std::clamp(1.0 + std::log10(std::max(share, 1e-300)) / kDecades, 0.0, 1.0);
+    const double height =
+        std::clamp(1.0 + std::log10(std::max(share, 1e-300)) / kDecades, 0.0, 1.0);
     const int high = static_cast<int>(height * (kBars - 2 * kName));
     const int x = left + static_cast<int>(l) * wide;
     drawing.fill(x, top + kBars - kName - high, wide - kGap, high, ramp_colour(0.35F));

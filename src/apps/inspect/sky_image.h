@@ -15,9 +15,9 @@ namespace prt {
 /// if the artifacts do not fit together.
 Drawing draw_sky_transfer(const BakeReader& bake, std::optional<int> index);
 
-/// An environment (scene/environment.h) as it is, as spherical harmonics of the bake's order have it,
-/// and the share of each band in their energy. Throws UserError if there is no
-/// such environment or the bake has no environment layer.
+/// An environment (scene/environment.h) as it is, as spherical harmonics of the bake's order have
+/// it, and the share of each band in their energy. Throws UserError if there is no such environment
+/// or the bake has no environment layer.
 Drawing draw_environment(const BakeReader& bake, const std::string& spec);
 
 }  // namespace prt
