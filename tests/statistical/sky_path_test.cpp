@@ -17,9 +17,7 @@ using test::ZFamily;
 constexpr int kReplicates = 4000;
 constexpr std::uint64_t kSeed = 11;
 
-Environment constant_sky(const Vec3f& radiance) {
-  return {2, 1, std::vector<Vec3f>(2, radiance)};
-}
+Environment constant_sky(const Vec3f& radiance) { return {2, 1, std::vector<Vec3f>(2, radiance)}; }
 
 /// Direct and indirect irradiance of one channel at independent replicates.
 struct Replicates {
@@ -30,8 +28,8 @@ Replicates trace(const Scene& scene, const Environment& sky,
                  const std::vector<ReceiverPoint>& points, int paths, Eigen::Index channel = 0) {
   const auto caster = make_embree_ray_caster(scene);
   Replicates all;
-  for (const auto& e : trace_irradiance(scene, *caster, {}, points,
-                                        {.paths = paths, .environment = &sky}, kSeed)) {
+  for (const auto& e :
+       trace_irradiance(scene, *caster, {}, points, {.paths = paths, .environment = &sky}, kSeed)) {
     all.direct.push_back(e.mean_direct()[channel]);
     all.indirect.push_back(e.mean_indirect()[channel]);
   }
@@ -67,8 +65,7 @@ TEST(SkyPaths, ASunBringsItsRadianceTimesItsProjectedSolidAngle) {
   constexpr double kEdge = 2e-3;  // cells of 0.2 degrees along the rim
   const Scene scene = open_scene();
   for (const double radius : {5.0, 20.0}) {
-    const Environment sky =
-        parse_environment("disc:0,-1,0:3,3,3:" + std::to_string(radius));
+    const Environment sky = parse_environment("disc:0,-1,0:3,3,3:" + std::to_string(radius));
     const auto lit = trace_at(scene, sky, {Vec3f::Zero(), Vec3f::UnitY()}, 16).direct;
     double mean = 0.0;
     for (const double e : lit) mean += e / kReplicates;
@@ -96,8 +93,8 @@ TEST(SkyPaths, WallsHideTheSky) {
 }
 
 // Inside a sphere every part exchanges the same with every other. Of one that is open in part, f of
-// it being there, every point gets π L (1 − f) from a constant sky, and ρ f of what the others have.
-// Level 4 facets stay within 0.25 % of the sphere's radius.
+// it being there, every point gets π L (1 − f) from a constant sky, and ρ f of what the others
+// have. Level 4 facets stay within 0.25 % of the sphere's radius.
 TEST(SkyPaths, ABowlReflectsAGeometricSeries) {
   constexpr double kFacetError = 0.01;
   for (const float rho : {0.5F, 0.9F}) {

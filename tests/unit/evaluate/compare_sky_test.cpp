@@ -31,9 +31,9 @@ class CompareSky : public testing::Test {
     const SenderSearch search(scene_, package.samples);
     ReferenceSettings settings;
     settings.points = 300;
-    settings.paths = 128;
-    const TestPoints reference =
-        trace_sky_reference({scene_, *caster_, package.samples, search}, settings, 0, sky_, 0, [] {});
+    settings.paths = 512;
+    const TestPoints reference = trace_sky_reference({scene_, *caster_, package.samples, search},
+                                                     settings, 0, sky_, 0, [] {});
     const MatrixF coefficients = play_scale * EnvironmentLight(sky_, kOrder).coefficients();
     const SkyErrors errors = compare_sky(Evaluator(package), coefficients, reference);
     EXPECT_EQ(errors.not_finite(), 0U);
@@ -76,8 +76,8 @@ TEST(TestEnvironments, AreSmoothColouredAndTheirOwn) {
   EXPECT_EQ(first.cells(), draw_test_environment(1, 0).cells());
   EXPECT_NE(first.cells(), second.cells());
   EXPECT_NE(first.cells(), draw_test_environment(2, 0).cells());
-  const VectorD energy = band_energy(
-      8, EnvironmentLight(first, 8).coefficients().transpose().cast<double>());
+  const VectorD energy =
+      band_energy(8, EnvironmentLight(first, 8).coefficients().transpose().cast<double>());
   EXPECT_LT(energy.tail(3).sum(), 0.01 * energy.sum());
   EXPECT_GT(energy.segment(1, 3).sum(), 0.01 * energy.sum());
   for (const Vec3f& radiance : first.cells()) ASSERT_GT(radiance.minCoeff(), 0.0F);

@@ -193,7 +193,7 @@ TEST_F(EvalProgram, JudgesEnvironmentsWhereThePackageTakesThem) {
   const auto report = nlohmann::json::parse(test::read_text(file("open/report.json")));
   EXPECT_EQ(report["error"]["environment"]["environments"], 1);
   // Points, played and path traced.
-  write("point.csv", "x,y,z,nx,ny,nz\n2.78,0,-1.5,0,1,0\n");
+  write("point.csv", "x,y,z,nx,ny,nz\n4.5,0,-0.8,0,1,0\n");
   ASSERT_EQ(run("prt_eval", {open, "--points", file("point.csv"), "--env", "sky:1,2,4", "-o",
                              file("by_package.csv")})
                 .code,
