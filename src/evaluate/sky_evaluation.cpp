@@ -95,7 +95,7 @@ Plan plan_sky_evaluation(const OptionValues& options, const std::string& samples
 std::vector<std::string> sky_evaluation_kinds() { return {kReference, kEvaluate}; }
 
 std::vector<StageWork> sky_evaluation_work(const BakeSize& size, const OptionValues& options) {
-  if (!options.is_set("evaluate.environments")) return {};  // no method here knows environments
+  if (!options.all().contains("evaluate.environments")) return {};  // no method here knows any
   const double skies = options.get<double>("evaluate.environments");
   const double points = options.get<double>("evaluate.points");
   const double paths = 2.0 * skies * points * options.get<double>("evaluate.spp");

@@ -9,9 +9,6 @@ namespace prt {
 /// Adds "rays/NNNN" for each cluster; needs a finished "samples". Returns the number of clusters.
 std::size_t plan_rays(const PlanInputs& inputs, Plan& plan);
 
-/// What they implement, whichever method plans them.
-inline constexpr const char* kRaysSource = "LB §4.2";
-
 std::vector<std::string> rays_kinds();
 Artifact run_rays(const TaskSpec& task, const TaskReader& reader);
 

@@ -33,9 +33,6 @@ SamplingTasks sampling_tasks(double samples);
 /// Samples that a bake of `options` has on `area` m² of reachable surface, about.
 double expected_samples(const OptionValues& options, double area);
 
-/// What sampling_kinds() implement, whichever method plans them.
-inline constexpr const char* kSamplingSource = "LB §4.1";
-
 std::vector<std::string> sampling_kinds();
 Artifact run_sampling(const TaskSpec& task, const TaskReader& reader);
 

@@ -1,9 +1,6 @@
 #include "methods/lb/lb.h"
 
-#include <map>
-
-#include "methods/common/rays.h"
-#include "methods/common/sampling.h"
+#include "methods/common/task_table.h"
 #include "methods/lb/assemble.h"
 #include "methods/lb/effort.h"
 #include "methods/lb/plan.h"
@@ -15,38 +12,7 @@ namespace prt {
 
 namespace {
 
-struct Task {
-  Artifact (*run)(const TaskSpec&, const TaskReader&);
-  const char* equation;  ///< of Leonhardt & Bohn where no other paper is named
-};
-
-const std::map<std::string, Task>& task_table() {
-  static const std::map<std::string, Task> table = [] {
-    std::map<std::string, Task> t;
-    for (const auto& kind : sampling_kinds()) t[kind] = {run_sampling, kSamplingSource};
-    for (const auto& kind : rays_kinds()) t[kind] = {run_rays, kRaysSource};
-    t["visibility"] = {lb::run_visibility, "LB §4.2, eq. 8-9"};
-    t["reach"] = {lb::run_reach, "one bounce of LB §4.3.2 between clusters"};
-    t["windows"] = {lb::run_windows, "LB §4.3.2, eq. 4, between clusters"};
-    t["lights"] = {lb::run_lights, "LB §4.3.1"};
-    t["light_basis"] = {lb::run_light_basis, "LB §4.3.1 (uncentred)"};
-    t["light_functions"] = {lb::run_light_functions, "LB §4.3.1"};
-    t["window_functions"] = {lb::run_window_functions, "LB §4.3.1"};
-    t["snapshot"] = {lb::run_snapshot, "one bounce of LB §4.3.2, reduced by its singular vectors"};
-    t["snapshot_functions"] = {lb::run_snapshot_functions, "LB §4.3.2"};
-    t["galerkin"] = {lb::run_galerkin, "LB §4.3.2, eq. 4, by Galerkin projection"};
-    t["solve"] = {lb::run_solve, "LB §4.3.2, eq. 4, by Galerkin projection"};
-    t["near"] = {lb::run_near, "one bounce of LB §4.3.2, near senders one by one"};
-    t["transfer"] = {lb::run_transfer, "LB §4.3.2, eq. 10, and §4.4"};
-    t["residual"] = {lb::run_residual, "LB §4.3.2"};
-    t["photons"] = {lb::run_photons, "LB §4.3.2"};
-    t["photon_transfer"] = {lb::run_photon_transfer, "LB §4.3.2, eq. 10, and §4.4"};
-    return t;
-  }();
-  return table;
-}
-
-class LeonhardtBohn : public Method {
+class LeonhardtBohn : public TableMethod {
  public:
   [[nodiscard]] std::string name() const override { return "lb"; }
 
@@ -148,21 +114,6 @@ class LeonhardtBohn : public Method {
     return lb::with_effort(options, level);
   }
 
-  [[nodiscard]] std::vector<std::string> kinds() const override {
-    std::vector<std::string> kinds;
-    for (const auto& [kind, task] : task_table()) kinds.push_back(kind);
-    return kinds;
-  }
-
-  [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader) const override {
-    return task_table().at(task.kind).run(task, reader);
-  }
-
-  [[nodiscard]] std::string equation(const std::string& kind) const override {
-    const auto task = task_table().find(kind);
-    return task == task_table().end() ? "" : task->second.equation;
-  }
-
   [[nodiscard]] std::vector<StageWork> work(const BakeSize& size, const OptionValues& options,
                                             const StageFigures& figures) const override {
     return lb::stage_work(size, options, figures);
@@ -172,6 +123,33 @@ class LeonhardtBohn : public Method {
       const std::function<std::shared_ptr<const Artifact>(const std::string&)>& result,
       const OptionValues& options) const override {
     return lb::assemble_package(result, options);
+  }
+
+ protected:
+  /// Sources are of Leonhardt & Bohn where no other paper is named.
+  [[nodiscard]] const TaskTable& tasks() const override {
+    static const TaskTable table = [] {
+      TaskTable t = sampling_and_rays_tasks();
+      t["visibility"] = {lb::run_visibility, "LB §4.2, eq. 8-9"};
+      t["reach"] = {lb::run_reach, "one bounce of LB §4.3.2 between clusters"};
+      t["windows"] = {lb::run_windows, "LB §4.3.2, eq. 4, between clusters"};
+      t["lights"] = {lb::run_lights, "LB §4.3.1"};
+      t["light_basis"] = {lb::run_light_basis, "LB §4.3.1 (uncentred)"};
+      t["light_functions"] = {lb::run_light_functions, "LB §4.3.1"};
+      t["window_functions"] = {lb::run_window_functions, "LB §4.3.1"};
+      t["snapshot"] = {lb::run_snapshot,
+                       "one bounce of LB §4.3.2, reduced by its singular vectors"};
+      t["snapshot_functions"] = {lb::run_snapshot_functions, "LB §4.3.2"};
+      t["galerkin"] = {lb::run_galerkin, "LB §4.3.2, eq. 4, by Galerkin projection"};
+      t["solve"] = {lb::run_solve, "LB §4.3.2, eq. 4, by Galerkin projection"};
+      t["near"] = {lb::run_near, "one bounce of LB §4.3.2, near senders one by one"};
+      t["transfer"] = {lb::run_transfer, "LB §4.3.2, eq. 10, and §4.4"};
+      t["residual"] = {lb::run_residual, "LB §4.3.2"};
+      t["photons"] = {lb::run_photons, "LB §4.3.2"};
+      t["photon_transfer"] = {lb::run_photon_transfer, "LB §4.3.2, eq. 10, and §4.4"};
+      return t;
+    }();
+    return table;
   }
 };
 

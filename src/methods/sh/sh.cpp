@@ -1,10 +1,7 @@
 #include "methods/sh/sh.h"
 
-#include <map>
-
 #include "bases/spherical_harmonics.h"
-#include "methods/common/rays.h"
-#include "methods/common/sampling.h"
+#include "methods/common/task_table.h"
 #include "methods/sh/assemble.h"
 #include "methods/sh/plan.h"
 #include "methods/sh/tasks.h"
@@ -14,25 +11,7 @@ namespace prt {
 
 namespace {
 
-struct Task {
-  Artifact (*run)(const TaskSpec&, const TaskReader&);
-  const char* equation;
-};
-
-const std::map<std::string, Task>& task_table() {
-  static const std::map<std::string, Task> table = [] {
-    std::map<std::string, Task> t;
-    for (const auto& kind : sampling_kinds()) t[kind] = {run_sampling, kSamplingSource};
-    for (const auto& kind : rays_kinds()) t[kind] = {run_rays, kRaysSource};
-    t[sh::kDirect] = {sh::run_direct, "SH §6.2.6.1-2"};
-    t[sh::kBounce] = {sh::run_bounce, "SH §6.2.6.3"};
-    t[sh::kTransfer] = {sh::run_transfer, "SH §6.2.6, as low rank"};
-    return t;
-  }();
-  return table;
-}
-
-class SphericalHarmonics : public Method {
+class SphericalHarmonics : public TableMethod {
  public:
   [[nodiscard]] std::string name() const override { return "sh"; }
 
@@ -79,21 +58,6 @@ class SphericalHarmonics : public Method {
 
   [[nodiscard]] Plan plan(const PlanInputs& inputs) const override { return sh::make_plan(inputs); }
 
-  [[nodiscard]] std::vector<std::string> kinds() const override {
-    std::vector<std::string> kinds;
-    for (const auto& [kind, task] : task_table()) kinds.push_back(kind);
-    return kinds;
-  }
-
-  [[nodiscard]] Artifact run(const TaskSpec& task, const TaskReader& reader) const override {
-    return task_table().at(task.kind).run(task, reader);
-  }
-
-  [[nodiscard]] std::string equation(const std::string& kind) const override {
-    const auto task = task_table().find(kind);
-    return task == task_table().end() ? "" : task->second.equation;
-  }
-
   [[nodiscard]] std::vector<StageWork> work(const BakeSize& size, const OptionValues& options,
                                             const StageFigures& figures) const override {
     return sh::stage_work(size, options, figures);
@@ -103,6 +67,18 @@ class SphericalHarmonics : public Method {
       const std::function<std::shared_ptr<const Artifact>(const std::string&)>& result,
       const OptionValues& options) const override {
     return sh::assemble_package(result, options);
+  }
+
+ protected:
+  [[nodiscard]] const TaskTable& tasks() const override {
+    static const TaskTable table = [] {
+      TaskTable t = sampling_and_rays_tasks();
+      t[sh::kDirect] = {sh::run_direct, "SH §6.2.6.1-2"};
+      t[sh::kBounce] = {sh::run_bounce, "SH §6.2.6.3"};
+      t[sh::kTransfer] = {sh::run_transfer, "SH §6.2.6, as low rank"};
+      return t;
+    }();
+    return table;
   }
 };
 

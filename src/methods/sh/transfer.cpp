@@ -120,7 +120,8 @@ std::shared_ptr<const MatrixF> exitant_light(const TaskReader& reader, std::size
                                              const SampleSet& samples, std::uint32_t cluster,
                                              Eigen::Index channels, Eigen::Index functions) {
   const std::string name = "exitant " + reader.input_content(i).hex() + " of " +
-                           reader.input_content(1).hex() + fmt::format(" {}", channels);
+                           reader.input_content(1).hex() +
+                           fmt::format(" cluster {}, {} channels", cluster, channels);
   return reader.memo().get<MatrixF>(name, [&] {
     const MatrixF transfer = reader.input(i)->matrix("transfer");
     const bool one_for_all = transfer.cols() == functions;
