@@ -328,9 +328,11 @@ bool has_direct_light(const Package& package) {
 
 void require_environment(const Package& package, const std::string& file_name) {
   if (environment_order(package) > 0) return;
-  throw UserError(file_name +
-                  ": this package has no environment layer; bake it with methods: [lb, sh], or "
-                  "leave --env out");
+  throw UserError(
+      file_name +
+      ": this package has no environment layer; bake it with methods: [lb, sh] (a scene that no "
+      "light gets into has none even so), or "
+      "leave --env out");
 }
 
 void require_direct_light(const Package& package, const std::string& file_name) {

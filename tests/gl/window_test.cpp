@@ -8,6 +8,7 @@
 
 #include "gl/gl_lights.h"
 #include "package/write.h"
+#include "player/environment_light.h"
 #include "player/gl/controls.h"
 #include "player/picture.h"
 #include "support/picture_difference.h"
@@ -46,16 +47,25 @@ bool run(const std::string& command) { return std::system(command.c_str()) == 0;
 /// prt_play in a window, and what it says, line by line.
 class Player {
  public:
-  explicit Player(const std::filesystem::path& folder) {
+  /// `shining`: the option and specification of what lights the room.
+  Player(const std::filesystem::path& folder, const std::vector<std::string>& shining) {
     const std::string pipe = (folder / "pipe").string();
     EXPECT_EQ(mkfifo(pipe.c_str(), 0600), 0);
     const std::string play = std::string(PRT_BINARY_DIR) + "/bin/prt_play";
-    program_ = std::make_unique<test::Program>(
-        std::vector<std::string>{"env", "-C", folder.string(), play, "room.prt.glb", "--backend",
-                                 "gl", "--size", fmt::format("{}x{}", kWidth, kHeight), "--light",
-                                 "point:1.6,1.2,2.2:9,8,7", "--exposure", std::to_string(kExposure),
-                                 "--json"},
-        pipe);
+    std::vector<std::string> command{"env",
+                                     "-C",
+                                     folder.string(),
+                                     play,
+                                     "room.prt.glb",
+                                     "--backend",
+                                     "gl",
+                                     "--size",
+                                     fmt::format("{}x{}", kWidth, kHeight),
+                                     "--exposure",
+                                     std::to_string(kExposure),
+                                     "--json"};
+    command.insert(command.end(), shining.begin(), shining.end());
+    program_ = std::make_unique<test::Program>(command, pipe);
     said_.open(pipe);
     EXPECT_TRUE(
         run("timeout 30 xdotool search --sync --onlyvisible --name prt_play"
@@ -97,7 +107,7 @@ TEST(Window, LightFollowsTheMouseAndPictureTheLight) {
         .rgb;
   };
 
-  Player player(folder.path);
+  Player player(folder.path, {"--light", "point:1.6,1.2,2.2:9,8,7"});
   const auto before = read_png((folder.path / player.screenshot()).string());
   ASSERT_TRUE(
       run(fmt::format("xdotool mousemove 500 400 mousedown 1 mousemove_relative {} {} "
@@ -121,6 +131,38 @@ TEST(Window, LightFollowsTheMouseAndPictureTheLight) {
   // It would not pass for the picture of the light where it was.
   EXPECT_GT(test::difference(after, picture_of(kLight), kWidth, kHeight).worst_block,
             kBlockDifference);
+}
+
+TEST(Window, TheSkyTurnsWithTheMouseWhereThereIsNoLight) {
+  const test::TemporaryFolder folder;
+  constexpr int kOrder = 4;
+  Package room = test::synthetic_room();
+  test::add_environment(room, kOrder);
+  write_package(room, folder.path / "room.prt.glb");
+  const std::string spec = "disc:1,-0.3,0.4:3,2,1:40";
+  const auto picture_of = [&](double degrees) {
+    const Evaluator evaluator(room);
+    const Environment sky = parse_environment(spec).turned(degrees);
+    return render(evaluator, evaluator.evaluate({}, EnvironmentLight(sky, kOrder).coefficients()),
+                  *room.scene.camera,
+                  {.width = kWidth, .height = kHeight, .exposure = kExposure, .environment = &sky})
+        .rgb;
+  };
+  Player player(folder.path, {"--env", spec});
+  const auto before = read_png((folder.path / player.screenshot()).string());
+  ASSERT_TRUE(run(fmt::format(
+      "xdotool mousemove 500 400 mousedown 1 mousemove_relative {} {} mouseup 1", kDrag.x, 0)));
+  const auto after = read_png((folder.path / player.screenshot()).string());
+  const auto turn = player.end().at("end").at("turn").get<double>();
+  EXPECT_GT(std::abs(turn), 20.0);
+  const auto off = [&](const auto& pixels, double degrees) {
+    return test::difference(pixels, picture_of(degrees), kWidth, kHeight);
+  };
+  EXPECT_LE(off(before, 0.0).mean, kMeanDifference);
+  EXPECT_LE(off(before, 0.0).worst_block, kBlockDifference);
+  EXPECT_LE(off(after, turn).mean, kMeanDifference);
+  EXPECT_LE(off(after, turn).worst_block, kBlockDifference);
+  EXPECT_GT(off(after, 0.0).mean, kMeanDifference);
 }
 
 TEST(Window, SaysInOneLineWhatIsMissing) {
