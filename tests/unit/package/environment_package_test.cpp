@@ -78,6 +78,26 @@ EnvironmentLightStep& step_of(Package& p) {
   return std::get<EnvironmentLightStep>(p.program[p.program.size() - 5]);
 }
 
+/// So many coefficients, and factors that fit them.
+void resize_environment(Package& p, std::uint32_t count) {
+  coefficients_of(p).dimension = count;
+  for (const char* name : {"sky", "bounced"}) {
+    auto& transfer = std::get<ClusterTransfer>(p.operators[name]);
+    for (ReceiverTransfer& receiver : transfer.receivers) {
+      receiver.right =
+          quantise(MatrixF::Ones(receiver.right.rows, transfer.channels * count), 8).matrix;
+    }
+  }
+}
+
+TEST(EnvironmentPackage, MayHaveAnyOrderUpToEight) {
+  for (const std::uint32_t order : {1U, 2U, 8U}) {
+    Package package = room();
+    resize_environment(package, order * order);
+    EXPECT_NO_THROW(validate(package, "room")) << order;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Spoiled, UnsoundEnvironment,
     testing::Values<Spoil>(
@@ -94,6 +114,12 @@ INSTANTIATE_TEST_SUITE_P(
         [](Package& p) { step_of(p).op = "nobody"; },
         [](Package& p) {
           p.program.insert(p.program.end() - 1, EnvironmentLightStep{"sky", "sky light", "sky"});
+        },
+        [](Package& p) { resize_environment(p, 8); }, [](Package& p) { resize_environment(p, 81); },
+        [](Package& p) {  // another, with spaces of its own
+          p.spaces.push_back({"more light", Space::Kind::kEnvironmentCoefficients, 9});
+          p.spaces.push_back({"more", Space::Kind::kSampleIrradiance, p.spaces[0].dimension});
+          p.program.insert(p.program.end() - 1, EnvironmentLightStep{"sky", "more light", "more"});
         },
         [](Package& p) { p.program.back() = ReconstructStep{"sky light"}; },
         [](Package& p) {
