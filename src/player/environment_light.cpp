@@ -1,6 +1,9 @@
 #include "player/environment_light.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
+#include <stdexcept>
 
 namespace prt {
 namespace {
@@ -24,6 +27,14 @@ MatrixF EnvironmentLight::coefficients(double degrees) const {
   const double angle = degrees * static_cast<double>(kPi) / 180.0;
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, Vec3d::UnitY()).toRotationMatrix();
   return ShRotation(order_, turn).apply(coefficients_).transpose().cast<float>();
+}
+
+void check_environment(const Package& package, const MatrixF& environment) {
+  const int order = environment_order(package);
+  if (environment.size() == 0 || order == 0) return;
+  if (environment.rows() == 3 && environment.cols() == sh_count(order)) return;
+  throw std::invalid_argument(fmt::format("an environment of {} x {} coefficients is not 3 x {}",
+                                          environment.rows(), environment.cols(), sh_count(order)));
 }
 
 }  // namespace prt

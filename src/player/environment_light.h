@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bases/spherical_harmonics.h"
+#include "package/package.h"
 #include "scene/environment.h"
 
 namespace prt {
@@ -21,5 +22,9 @@ class EnvironmentLight {
   int order_;
   MatrixD coefficients_;  // order² × 3
 };
+
+/// Throws std::invalid_argument unless `environment` is none (empty) or of the package's order,
+/// where it takes one.
+void check_environment(const Package& package, const MatrixF& environment);
 
 }  // namespace prt

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "player/depth_tables.h"
+#include "player/environment_light.h"
 #include "player/light_samples.h"
 #include "player/play_program.h"
 
@@ -161,6 +162,7 @@ SampleIrradiance Evaluator::evaluate(std::span<const Light> lights,
 
 void Evaluator::evaluate(std::span<const Light> lights, const MatrixF& environment,
                          SampleIrradiance& result) const {
+  check_environment(package_, environment);
   // The result's own lights may have been changed in place.
   const bool own = !lights.empty() && lights.data() == result.lights.data();
   const bool changed =

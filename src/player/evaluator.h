@@ -67,8 +67,8 @@ class Evaluator {
   /// Runs the program. Twice the intensity gives exactly twice the irradiance, no light exactly
   /// zero. `environment`: radiance from infinitely far away as real spherical harmonics,
   /// W/(m² sr), 3 × order² (environment_order() of the package; player/environment_light.h makes
-  /// them), or empty for none. Lights in a package without a direct_light step, and an environment
-  /// in one that takes none, do nothing.
+  /// them), or empty for none; std::invalid_argument for another order. Lights in a package without
+  /// a direct_light step, and an environment in one that takes none, do nothing.
   [[nodiscard]] SampleIrradiance evaluate(std::span<const Light> lights,
                                           const MatrixF& environment = {}) const;
   /// The same into a result of before: with as many lights and one thread nothing is allocated, and

@@ -1,5 +1,7 @@
 #include "player/gl/interpreter.h"
 
+#include "player/environment_light.h"
+
 namespace prt::gl {
 
 namespace {
@@ -133,6 +135,7 @@ void Interpreter::set_environment(const MatrixF& environment) {
 
 void Interpreter::run(const LightTable& lights, const MatrixF& environment,
                       const SampleFields& fields, Show show) {
+  check_environment(package_, environment);
   if (environment_layout_.channel_quads() > 0) set_environment(environment);
   light_.run(lights, direct_, fields);
   for (const auto& step : steps_) step();

@@ -140,6 +140,15 @@ TEST_F(EnvironmentPlay, KeepsWhatStandsStillAndNothingElse) {
   }
 }
 
+TEST_F(EnvironmentPlay, OfAnotherOrderIsRefused) {
+  const Package package = room(3, false);
+  const Evaluator player(package);
+  EXPECT_THROW(static_cast<void>(player.evaluate({}, MatrixF::Zero(3, 9))), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(player.evaluate({}, MatrixF::Zero(16, 3))), std::invalid_argument);
+  const Package without = synthetic_room();
+  EXPECT_NO_THROW(static_cast<void>(Evaluator(without).evaluate({}, MatrixF::Zero(3, 9))));
+}
+
 TEST_F(EnvironmentPlay, ReachesPointsAsDirectLight) {
   const Package package = room(3, false);
   const Evaluator player(package);
