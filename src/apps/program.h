@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <string>
 
@@ -24,6 +26,16 @@ int run_program(const char* name, Body&& body) {
     std::fprintf(stderr, "%s: %s\n", name, e.what());
   }
   return static_cast<int>(code);
+}
+
+/// For options that are numbers: CLI11's ranges let nan through.
+inline CLI::Validator finite_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return std::isfinite(std::strtod(text.c_str(), nullptr)) ? std::string()
+                                                                 : text + " is not a finite number";
+      },
+      "");
 }
 
 /// Adds --version and parses. False after --help or --version: `message` is then what to print.

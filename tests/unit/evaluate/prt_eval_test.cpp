@@ -225,6 +225,22 @@ TEST_F(EvalProgram, JudgesEnvironmentsWhereThePackageTakesThem) {
   }
 }
 
+TEST_F(EvalProgram, NumbersThatAreNoneAreRefusedByPrograms) {
+  for (const auto& words : {std::vector<std::string>{"--rotate", "nan"},
+                            {"--reflection", "nan"},
+                            {"--exposure", "inf"},
+                            {"--exposure", "nan"},
+                            {"--bench", "nan"}}) {
+    std::vector<std::string> play = {package(), "--out", file("never.png")};
+    play.insert(play.end(), words.begin(), words.end());
+    const Outcome refused = run("prt_play", play);
+    EXPECT_EQ(refused.code, 2) << words[0] << refused.text;
+    EXPECT_NE(refused.text.find("not a finite number"), std::string::npos) << refused.text;
+    EXPECT_FALSE(fs::exists(file("never.png")));
+  }
+  EXPECT_EQ(run("prt_eval", {package(), "--clearance", "nan"}).code, 2);
+}
+
 // Away from its report the package says nothing about its bake.
 TEST_F(EvalProgram, KnowsNoBakeTimeWithoutTheReport) {
   fs::create_directory(file("moved"));
