@@ -73,8 +73,8 @@ std::optional<EvalCommand> parse_eval_command(int argc, char** argv, std::string
   auto* clearance = app.add_option("--clearance", words.clearance,
                                    "distance of test lights from every surface, m (default: 2 % of "
                                    "the samples' diagonal)")
-                        ->check(CLI::NonNegativeNumber)
                         ->check(finite_number())
+                        ->check(CLI::NonNegativeNumber)
                         ->type_name("M");
   app.add_option("--json", words.json, "write the figures as JSON; - for standard output")
       ->type_name("FILE");

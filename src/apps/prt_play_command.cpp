@@ -113,14 +113,14 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
       ->type_name("FILE.hdr|.exr|SPEC");
   app.add_option("--rotate", command.rotate,
                  "turn the environment about the vertical, counter-clockwise from above")
-      ->check(CLI::Range(-1e4, 1e4))
       ->check(finite_number())
+      ->check(CLI::Range(-1e4, 1e4))
       ->type_name("DEGREES");
   app.add_option("--reflection", command.picture.reflection,
                  "share of the environment that surfaces mirror beside their diffuse light; for "
                  "looks, it is not in prt_eval's figures")
-      ->check(CLI::Range(0.0, 1.0))
       ->check(finite_number())
+      ->check(CLI::Range(0.0, 1.0))
       ->type_name("F");
   app.add_option(
          "--camera", words.camera,
@@ -135,22 +135,22 @@ void add_options(CLI::App& app, Words& words, PlayCommand& command) {
       ->type_name("N");
   app.add_flag("--stereo", command.stereo, "side by side for a headset (gl); --size is of both");
   app.add_option("--eye-distance", command.eye_distance, "of --stereo, m")
-      ->check(CLI::Range(0.0, 10.0))
       ->check(finite_number())
+      ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str()
       ->type_name("M");
   app.add_option("--exposure", words.exposure,
                  "factor on radiance before the filmic curve (default: the picture's own)")
-      ->check(CLI::PositiveNumber)
       ->check(finite_number())
+      ->check(CLI::PositiveNumber)
       ->type_name("F");
   app.add_option("--out", command.out,
                  "write the picture: .png as shown, .exr linear radiance in W/(m² sr)")
       ->type_name("FILE.png|.exr");
   app.add_option("--bench", command.bench_seconds,
                  "measure light changes and pictures for this long")
-      ->check(CLI::Range(0.0, 3600.0))
       ->check(finite_number())
+      ->check(CLI::Range(0.0, 3600.0))
       ->type_name("SECONDS");
   app.add_flag("--json", command.json, "print figures as JSON on standard output");
 }
