@@ -60,8 +60,9 @@ std::vector<std::string> colour_channels(const Imf::Header& header, const std::s
   for (const std::string& channel : chosen) {
     const Imf::Channel& found = channels[channel.c_str()];
     if (found.xSampling != 1 || found.ySampling != 1) {
-      refuse(name + ": the .exr has fewer values than pixels in channel " + channel +
-             "; write it without subsampling");
+      refuse(fmt::format(
+          "{}: the .exr has fewer values than pixels in channel {}; write it without subsampling",
+          name, channel));
     }
   }
   return chosen;
